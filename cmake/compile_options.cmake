@@ -1,0 +1,18 @@
+# One binary gives the same bits on every x86-64-v2 or later processor (design: deterministic), hence no contraction and no
+# -march=native. errno and trapping arithmetic are not used; dropping them changes no result and lets sqrt vectorise.
+add_library(meshfront_options INTERFACE)
+target_compile_options(meshfront_options INTERFACE
+  -Wall -Wextra -Wno-missing-field-initializers -ffp-contract=off -fno-math-errno -fno-trapping-math)
+target_include_directories(meshfront_options INTERFACE $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}>)
+if(CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
+  target_compile_options(meshfront_options INTERFACE -march=x86-64-v2)
+endif()
+if(CMAKE_BUILD_TYPE STREQUAL "Release")
+  string(REPLACE "-O3" "-O2" CMAKE_CXX_FLAGS_RELEASE "${CMAKE_CXX_FLAGS_RELEASE}")
+  target_compile_options(meshfront_options INTERFACE $<$<CONFIG:Release>:-O3>)
+endif()
+if(MESHFRONT_SANITIZE)
+  target_compile_options(meshfront_options INTERFACE -fsanitize=${MESHFRONT_SANITIZE} -fno-omit-frame-pointer
+    -fno-sanitize-recover=all -O1)
+  target_link_options(meshfront_options INTERFACE -fsanitize=${MESHFRONT_SANITIZE})
+endif()

@@ -1,0 +1,27 @@
+// Measures and closest points of one triangle.
+#pragma once
+
+#include "core/geometry/vec3.h"
+
+namespace meshfront {
+
+// Twice the area times the unit normal, right-handed around a, b, c.
+constexpr Vec3 AreaVector(const Vec3& a, const Vec3& b, const Vec3& c) { return Cross(b - a, c - a); }
+inline double TriangleArea(const Vec3& a, const Vec3& b, const Vec3& c) { return 0.5 * Norm(AreaVector(a, b, c)); }
+// Radius ratio q = 2r/R = 16 A² / (abc (a + b + c)): 1 equilateral, 0 degenerate.
+double RadiusRatio(const Vec3& a, const Vec3& b, const Vec3& c);
+// The same from the three side lengths; 0 when they violate the triangle inequality.
+double RadiusRatioOfSides(double a, double b, double c);
+// Smallest of the three angles, in radians; 0 for a degenerate triangle.
+double MinAngle(const Vec3& a, const Vec3& b, const Vec3& c);
+
+// The point of a triangle closest to p, as barycentric weights of a, b, c. `region` says where it lies: 0 inside,
+// 1..3 in the interior of edge ab, bc, ca, 4..6 at a, b, c. Degenerate triangles give the closest point of their edges.
+struct TrianglePoint {
+  double weights[3];
+  int region;
+  Vec3 position;
+};
+TrianglePoint ClosestPointOnTriangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
+
+}  // namespace meshfront

@@ -1,0 +1,40 @@
+// Where settled vertices and triangles go: a file, a gRPC stream, memory.
+#pragma once
+
+#include "absl/status/status.h"
+#include "absl/types/span.h"
+#include "core/mesh/triangle_mesh.h"
+
+namespace meshfront {
+
+struct OutputVertex {
+  Vec3 position;
+  Vec3 normal;  // unit normal of the surface there
+};
+
+// A piece of the output. Vertex ids are global and count up from 0 in the order of emission; a vertex comes once and before
+// its first triangle. Valid during the call only.
+struct MeshPiece {
+  absl::Span<const OutputVertex> vertices;
+  absl::Span<const Triangle> triangles;
+  absl::Span<const VertexId> finalised;  // vertices that no later triangle will use
+  uint64_t open_front_edges = 0;         // left on the fronts when the piece was settled
+};
+
+// Implemented by: collectors in memory, the server's stream sink. Called by: the settling window, on the job's thread.
+// Append may block (back-pressure). A status that is not OK stops the job with it. Nothing is emitted twice or taken back.
+class MeshSink {
+ public:
+  virtual ~MeshSink() = default;
+  virtual absl::Status Append(const MeshPiece& piece) = 0;
+};
+
+// Keeps everything in memory, as one mesh with normals.
+class CollectingSink : public MeshSink {
+ public:
+  absl::Status Append(const MeshPiece& piece) override;
+  TriangleMesh mesh;
+  std::vector<VertexId> finalised;
+};
+
+}  // namespace meshfront

@@ -1,0 +1,99 @@
+// The facade: a problem in, a mesh to a sink, a report out. Knows nothing of files or networks.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/base/context.h"
+#include "core/mesh/mesh_sink.h"
+#include "core/mesh/repair.h"
+#include "core/mesh/topology.h"
+#include "core/mesh/triangle_mesh.h"
+
+namespace meshfront {
+
+enum class Sizing { kAngle, kError, kUniform };
+
+// A length, absolute (in the units of the input) or relative to the diagonal of its bounding box.
+struct Length {
+  double value = 0;
+  bool relative = false;
+};
+
+// What a caller may choose. Defaults are those of the contract; unset optionals are derived from the input.
+struct RemeshOptions {
+  double rho = 0.8;                      // angle an edge subtends, radians, (0, 2π/3]
+  double eta = 1.2;                      // bound on the ratio of incident edges, (1, 2)
+  Sizing sizing = Sizing::kAngle;
+  std::optional<Length> edge_length;     // the ideal length everywhere; only with Sizing::kUniform
+  std::optional<Length> min_edge;        // clamp of the edge length
+  std::optional<Length> max_edge;
+  bool flips = true;                     // edge flips behind the front
+  bool smooth = true;                    // guarded smoothing and optimisation behind the front
+  bool fit = true;                       // vertices moved along the normal to fit the surface between them
+  bool repair = true;                    // mend the input first, each change reported; false: refuse what would need it
+};
+// InvalidArgument naming the field, the value and the rule, e.g. "options.eta is 2.5; it must be in (1, 2)".
+absl::Status ValidateOptions(const RemeshOptions& options);
+
+struct Problem {
+  TriangleMesh mesh;  // as read; consumed
+  RemeshOptions options;
+};
+
+struct InputReport {
+  bool is_point_set = false;
+  TopologyReport topology;             // of the mesh after repair
+  std::vector<RepairAction> repairs;   // what was changed
+  double diagonal = 0;                 // of the bounding box
+};
+
+// The parameters in force after defaults and clamps were derived.
+struct ParametersInForce {
+  RemeshOptions options;
+  double min_edge = 0, max_edge = 0;   // absolute
+  uint64_t clamped_samples = 0;        // sizing samples that a clamp changed
+};
+
+struct StageSeconds {
+  double repair = 0, index = 0, curvature = 0, guidance = 0, features = 0, mesh = 0, first_chunk = 0, engine = 0;
+};
+
+struct Report {
+  InputReport input;
+  ParametersInForce parameters;
+  uint64_t predicted_triangles = 0;
+  double error_bound = 0;              // eq. 7 with the longest edge and the angle in force, absolute
+  TopologyReport output;
+  bool complete = true;                // false: open_places lists where the mesh could not be closed
+  std::vector<Vec3> open_places;
+  struct { double radius_ratio_min = 0, radius_ratio_p0_5 = 0, radius_ratio_median = 0, min_angle_deg = 0; } quality;
+  struct { uint64_t free = 0, connection = 0, closing = 0; } triangles_by_kind;
+  uint64_t flips = 0;
+  uint64_t peak_front_edges = 0;
+  std::vector<std::pair<std::string, uint64_t>> refusals;  // how often each test refused a candidate
+  StageSeconds seconds;
+  int threads = 1;
+};
+
+// Meshes the problem into the sink. InvalidArgument: bad option or unusable input; FailedPrecondition: the input can't be meshed
+// under this policy (with the places); Cancelled / DeadlineExceeded; the sink's own status when it stops the job. A mesh that
+// could be closed only in part is OK with `complete == false`. Deterministic at any thread count.
+absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& context);
+
+struct Estimate {
+  InputReport input;
+  ParametersInForce parameters;
+  uint64_t predicted_triangles = 0;
+  double error_bound = 0;
+  double edge_min = 0, edge_median = 0, edge_max = 0;  // of the predicted edges, absolute
+  uint64_t memory_bytes = 0;
+};
+// The preparation alone: reads everything, meshes nothing.
+absl::StatusOr<Estimate> EstimateRemesh(Problem problem, const Context& context);
+
+}  // namespace meshfront

@@ -1,0 +1,46 @@
+// What the advancing front knows of the thing it meshes (sec. 3.2, 3.4): anything that can place a point on itself and tell a
+// normal and a maximum curvature there.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "core/geometry/vec3.h"
+
+namespace meshfront {
+
+// A place on a surface: position, unit normal, and what the surface needs to walk on from there (a mesh: the face and the
+// barycentric weights of its second and third corner). The last three are the surface's own; nobody else interprets them.
+struct SourcePoint {
+  Vec3 position;
+  Vec3 normal;
+  uint32_t patch = 0xffffffffu;
+  double u = 0, v = 0;
+};
+
+// Implemented by: MeshSurface (later: the MLS surfaces). Called by: the front, its closure and its settling window.
+// Immutable after construction, safe to read from many threads, deterministic. No call leaves the connected sheet that its
+// starting points lie on: the other side of a thin plate is never reached.
+class Surface {
+ public:
+  virtual ~Surface() = default;
+
+  // The point x on the surface with |x − a| = radius_a and |x − b| = radius_b (within 1e-9 of them, relative), on the open
+  // (right-hand) side of the directed edge a → b, that is towards (b − a) × normal; among several, the one whose triangle
+  // (b, a, x) has its normal closest to those at a and b (sec. 3.2). Nothing when the spheres do not meet each other, or meet
+  // the surface only beyond its rim or on another sheet.
+  virtual std::optional<SourcePoint> FindApex(const SourcePoint& a, const SourcePoint& b, double radius_a,
+                                              double radius_b) const = 0;
+
+  // The locally closest point of the surface to `target`, reached from `start` by descending the distance along the connected
+  // sheet. Always succeeds; the result may be far from `target` when the sheet does not come near it.
+  virtual SourcePoint Snap(const SourcePoint& start, const Vec3& target) const = 0;
+
+  // Maximum absolute principal curvature at p, 1/length, ≥ 0.
+  virtual double MaxCurvatureAt(const SourcePoint& p) const = 0;
+
+  // True when p lies on the rim of an open surface (within rounding).
+  virtual bool IsOnBoundary(const SourcePoint& p) const = 0;
+};
+
+}  // namespace meshfront
