@@ -14,7 +14,7 @@ namespace meshfront {
 struct GuidanceOptions {
   double eta = 1.2;        // bound on the ratio of incident edges, in (1, 2)
   double min_length = 0;   // clamp of g from below, ≥ 0
-  double max_length = 0;   // clamp of g from above, > min_length, finite
+  double max_length = 0;   // clamp of g from above, > 0, ≥ min_length, finite
 };
 
 // g(x) = clamp(min over the samples of ĝ(|x − s|)). Immutable; thread-safe. Exact: equal to the brute-force minimum over the
@@ -22,17 +22,21 @@ struct GuidanceOptions {
 class GuidanceField {
  public:
   // Prunes dominated samples (a sample whose cone lies above another's everywhere) and indexes the rest. InvalidArgument when
-  // there is no clamp (max_length not finite) or eta is out of range. O(n log n); stops when the context says so.
+  // there is no clamp (max_length not finite), eta is out of range, or a sample has a length that is not positive or a place
+  // that is not finite. No samples: g ≡ max_length. O(n log n); stops when the context says so.
   static absl::StatusOr<GuidanceField> Create(std::vector<SizingSample> samples, const GuidanceOptions& options,
                                               const Context& context);
   GuidanceField(GuidanceField&&);
   GuidanceField& operator=(GuidanceField&&);
   ~GuidanceField();
 
-  double At(const Vec3& x) const;  // 0.1–0.4 µs
+  double At(const Vec3& x) const;  // 0.1–0.4 µs, no allocation
+  // The same value, sooner: `upper_bound` must be at least g(x) but for rounding, such as g(y) + (1 − 1/η) |x − y|. It only
+  // prunes and is never returned.
+  double At(const Vec3& x, double upper_bound) const;
   double eta() const;
   const GuidanceOptions& options() const;
-  absl::Span<const SizingSample> kept_samples() const;
+  absl::Span<const SizingSample> kept_samples() const;  // by increasing ideal length
 
  private:
   struct Index;
