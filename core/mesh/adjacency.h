@@ -48,7 +48,7 @@ std::optional<FaceAdjacency> FindOrientedAdjacency(const TriangleMesh& mesh);
 bool HasSingleFans(const TriangleMesh& mesh, const FaceAdjacency& adjacency);
 
 // The rims: closed chains of half-edges without a partner, the mesh on their left, each followed around its vertices inside
-// their fans (two holes that touch at a vertex are two loops). In the order of their smallest half-edge.
+// their fans (two sheets that touch in a vertex have two loops). In the order of their smallest half-edge.
 std::vector<std::vector<uint32_t>> FindBoundaryLoops(const FaceAdjacency& adjacency);
 
 // Faces connected across edges. Components are numbered in the order of their first face.

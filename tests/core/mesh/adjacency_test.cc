@@ -67,7 +67,7 @@ TEST(Adjacency, BoundaryLoopKeepsTheMeshOnItsLeft) {
   EXPECT_THAT(FindBoundaryLoops(CreateAdjacency(mesh)), ElementsAre(ElementsAre(0, 1, 2)));
 }
 
-TEST(Adjacency, TwoHolesThatTouchInAVertexAreTwoLoops) {
+TEST(Adjacency, TwoSheetsThatTouchInAVertexHaveTwoLoops) {
   // Two triangles that share one vertex: two fans, two loops.
   const TriangleMesh mesh = shapes::MeshOf({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, -1, 0}}, {{0, 1, 2}, {0, 3, 4}});
   const FaceAdjacency adjacency = CreateAdjacency(mesh);
