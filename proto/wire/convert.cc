@@ -1,0 +1,166 @@
+// Options between the wire and core. To add an option: a line in ToCore, one in OptionsToProto, and its path out of kNotYet.
+#include "proto/wire/convert.h"
+
+#include <google/protobuf/descriptor.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
+
+namespace meshfront {
+namespace {
+
+using google::protobuf::FieldDescriptor;
+
+// In the contract from the start, so that clients keep; refused by their path until they are built.
+constexpr absl::string_view kNotYet[] = {"max_error", "target_triangles", "features", "region", "blend", "mls_radius"};
+
+bool IsNotYet(absl::string_view field) {
+  return std::find(std::begin(kNotYet), std::end(kNotYet), field) != std::end(kNotYet);
+}
+
+absl::Status NotYet(absl::string_view path) {
+  return absl::InvalidArgumentError(absl::StrCat(path, " is not supported yet"));
+}
+
+// Fields that are refused whatever their value is, and values of the others that are.
+absl::Status RefuseNotYet(const v1::RemeshOptions& o) {
+  std::vector<const FieldDescriptor*> set;
+  o.GetReflection()->ListFields(o, &set);
+  for (const FieldDescriptor* field : set) {
+    if (IsNotYet(field->name())) return NotYet(absl::StrCat("options.", field->name()));
+  }
+  if (o.sizing() == v1::SIZING_ERROR) return NotYet("options.sizing SIZING_ERROR");
+  if (o.attributes() == v1::ATTRIBUTE_POLICY_KEEP) return NotYet("options.attributes ATTRIBUTE_POLICY_KEEP");
+  if (o.surface() == v1::SURFACE_TYPE_MLS) return NotYet("options.surface SURFACE_TYPE_MLS");
+  if (o.surface() == v1::SURFACE_TYPE_IMLS) return NotYet("options.surface SURFACE_TYPE_IMLS");
+  if (o.has_crease() && o.crease().has_angle_degrees()) return NotYet("options.crease.angle_degrees");
+  return absl::OkStatus();
+}
+
+absl::Status CheckEnums(const v1::RemeshOptions& o) {
+  if (!v1::Sizing_IsValid(o.sizing())) {
+    return absl::InvalidArgumentError(absl::StrCat("options.sizing is ", o.sizing(), "; it must be a value of Sizing"));
+  }
+  if (!v1::SurfaceType_IsValid(o.surface())) {
+    return absl::InvalidArgumentError(absl::StrCat("options.surface is ", o.surface(), "; it must be a value of SurfaceType"));
+  }
+  if (!v1::AttributePolicy_IsValid(o.attributes())) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("options.attributes is ", o.attributes(), "; it must be a value of AttributePolicy"));
+  }
+  if (o.has_crease() && !o.crease().has_angle_degrees() && !o.crease().off()) {
+    return absl::InvalidArgumentError("options.crease is empty; it must hold angle_degrees, or off = true");
+  }
+  return absl::OkStatus();
+}
+
+// What excludes one another.
+absl::Status CheckSizing(const v1::RemeshOptions& o) {
+  if (o.has_rho() && o.has_edge_length()) {
+    return absl::InvalidArgumentError("options.edge_length is set beside options.rho; they exclude one another");
+  }
+  if (o.sizing() == v1::SIZING_UNIFORM && !o.has_edge_length()) {
+    return absl::InvalidArgumentError("options.sizing is SIZING_UNIFORM; it needs options.edge_length");
+  }
+  if (o.sizing() == v1::SIZING_ANGLE && o.has_edge_length()) {
+    return absl::InvalidArgumentError("options.sizing is SIZING_ANGLE; it can't be with options.edge_length");
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Length> LengthFromProto(const v1::Length& proto, absl::string_view path) {
+  if (proto.value_case() == v1::Length::VALUE_NOT_SET) {
+    return absl::InvalidArgumentError(absl::StrCat(path, " is empty; it must hold absolute or diagonal_fraction"));
+  }
+  const Length length{proto.has_absolute() ? proto.absolute() : proto.diagonal_fraction(), !proto.has_absolute()};
+  if (!(length.value > 0) || !std::isfinite(length.value)) {
+    return absl::InvalidArgumentError(absl::StrCat(path, " is ", length.value, "; it must be positive and finite"));
+  }
+  return length;
+}
+
+absl::StatusOr<RemeshOptions> ToCore(const v1::RemeshOptions& proto) {
+  RemeshOptions o;
+  if (proto.has_rho()) o.rho = proto.rho();
+  if (proto.has_eta()) o.eta = proto.eta();
+  if (proto.has_edge_length()) {
+    MESHFRONT_ASSIGN_OR_RETURN(o.edge_length, LengthFromProto(proto.edge_length(), "options.edge_length"));
+    o.sizing = Sizing::kUniform;
+  }
+  if (proto.has_min_edge()) {
+    MESHFRONT_ASSIGN_OR_RETURN(o.min_edge, LengthFromProto(proto.min_edge(), "options.min_edge"));
+  }
+  if (proto.has_max_edge()) {
+    MESHFRONT_ASSIGN_OR_RETURN(o.max_edge, LengthFromProto(proto.max_edge(), "options.max_edge"));
+  }
+  if (proto.has_flips()) o.flips = proto.flips();
+  if (proto.has_smooth()) o.smooth = proto.smooth();
+  if (proto.has_fit()) o.fit = proto.fit();
+  if (proto.has_repair()) o.repair = proto.repair();
+  return o;
+}
+
+}  // namespace
+
+absl::StatusOr<RemeshOptions> OptionsFromProto(const v1::RemeshOptions& proto) {
+  MESHFRONT_RETURN_IF_ERROR(CheckEnums(proto));
+  MESHFRONT_RETURN_IF_ERROR(RefuseNotYet(proto));
+  MESHFRONT_RETURN_IF_ERROR(CheckSizing(proto));
+  MESHFRONT_ASSIGN_OR_RETURN(RemeshOptions options, ToCore(proto));
+  MESHFRONT_RETURN_IF_ERROR(ValidateOptions(options));
+  return options;
+}
+
+v1::RemeshOptions OptionsToProto(const RemeshOptions& o) {
+  v1::RemeshOptions proto;
+  const bool uniform = o.sizing == Sizing::kUniform;
+  if (!uniform) proto.set_rho(o.rho);
+  proto.set_eta(o.eta);
+  proto.set_sizing(uniform ? v1::SIZING_UNIFORM : o.sizing == Sizing::kError ? v1::SIZING_ERROR : v1::SIZING_ANGLE);
+  if (o.edge_length) *proto.mutable_edge_length() = LengthToProto(*o.edge_length);
+  if (o.min_edge) *proto.mutable_min_edge() = LengthToProto(*o.min_edge);
+  if (o.max_edge) *proto.mutable_max_edge() = LengthToProto(*o.max_edge);
+  proto.mutable_crease()->set_off(true);
+  proto.set_attributes(v1::ATTRIBUTE_POLICY_DROP);
+  proto.set_surface(v1::SURFACE_TYPE_AUTO);
+  proto.set_flips(o.flips);
+  proto.set_smooth(o.smooth);
+  proto.set_fit(o.fit);
+  proto.set_repair(o.repair);
+  return proto;
+}
+
+std::vector<std::string> SupportedOptions() {
+  std::vector<std::string> paths;
+  const google::protobuf::Descriptor* descriptor = v1::RemeshOptions::descriptor();
+  for (int i = 0; i < descriptor->field_count(); ++i) {
+    const std::string& name = descriptor->field(i)->name();
+    if (!IsNotYet(name)) paths.push_back(absl::StrCat("options.", name));
+  }
+  return paths;
+}
+
+absl::StatusOr<v1::ScalarType> ResolveScalarType(v1::ScalarType type, v1::ScalarType unset, absl::string_view field) {
+  if (type == v1::SCALAR_TYPE_UNSPECIFIED) return unset;
+  if (v1::ScalarType_IsValid(type)) return type;
+  return absl::InvalidArgumentError(absl::StrCat(field, " is ", static_cast<int>(type), "; it must be a value of ScalarType"));
+}
+
+absl::StatusOr<v1::OutputFormat> NormalizeOutput(const v1::OutputFormat& output) {
+  v1::OutputFormat full = output;
+  MESHFRONT_ASSIGN_OR_RETURN(
+      const v1::ScalarType scalar,
+      ResolveScalarType(output.scalar_type(), v1::SCALAR_TYPE_FLOAT32, "output.scalar_type"));
+  full.set_scalar_type(scalar);
+  full.set_chunk_bytes(output.has_chunk_bytes() ? output.chunk_bytes() : kDefaultChunkBytes);
+  if (full.chunk_bytes() < kMinChunkBytes || full.chunk_bytes() > kMaxChunkBytes) {
+    return absl::InvalidArgumentError(absl::StrCat("output.chunk_bytes is ", full.chunk_bytes(), "; it must be in [",
+                                                   kMinChunkBytes, ", ", kMaxChunkBytes, "]"));
+  }
+  return full;
+}
+
+}  // namespace meshfront
