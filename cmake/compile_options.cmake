@@ -13,6 +13,7 @@ if(CMAKE_BUILD_TYPE STREQUAL "Release")
 endif()
 if(MESHFRONT_SANITIZE)
   target_compile_options(meshfront_options INTERFACE -fsanitize=${MESHFRONT_SANITIZE} -fno-omit-frame-pointer
-    -fno-sanitize-recover=all -O1)
+    -fno-sanitize-recover=all -O1 -g1)
+  target_compile_definitions(meshfront_options INTERFACE MESHFRONT_SANITIZED)  # tests take smaller shapes
   target_link_options(meshfront_options INTERFACE -fsanitize=${MESHFRONT_SANITIZE})
 endif()
