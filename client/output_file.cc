@@ -1,0 +1,147 @@
+#include "client/output_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
+
+namespace meshfront {
+namespace {
+
+absl::Status SystemError(absl::string_view name, absl::string_view what, int error) {
+  return absl::InternalError(absl::StrCat(name, " ", what, ": ", strerror(error)));
+}
+
+// mkstemp makes files that only their owner reads; an output gets the permissions of any other new file.
+void ApplyUsualPermissions(int descriptor) {
+  const mode_t mask = umask(0);
+  umask(mask);
+  fchmod(descriptor, 0666 & ~mask);
+}
+
+absl::StatusOr<int> CreateTemporary(const std::string& prefix, const std::string& shown_name, std::string* path) {
+  *path = absl::StrCat(prefix, ".XXXXXX");
+  const int descriptor = mkostemp(path->data(), O_CLOEXEC);
+  if (descriptor < 0) return SystemError(shown_name, "can't be written", errno);
+  return descriptor;
+}
+
+}  // namespace
+
+BufferedFile::BufferedFile(int descriptor, std::string name) : descriptor_(descriptor), name_(std::move(name)) {
+  buffer_.reserve(kBufferBytes);
+}
+
+BufferedFile::~BufferedFile() {
+  if (descriptor_ > STDERR_FILENO) close(descriptor_);
+}
+
+absl::Status BufferedFile::Append(const void* bytes, size_t count) {
+  const char* from = static_cast<const char*>(bytes);
+  size_ += count;
+  if (buffer_.size() + count > kBufferBytes) MESHFRONT_RETURN_IF_ERROR(Flush());
+  if (count >= kBufferBytes) return WriteThrough(from, count);
+  buffer_.append(from, count);
+  return absl::OkStatus();
+}
+
+absl::Status BufferedFile::Flush() {
+  const absl::Status written = WriteThrough(buffer_.data(), buffer_.size());
+  buffer_.clear();
+  return written;
+}
+
+absl::Status BufferedFile::WriteThrough(const char* bytes, size_t count) {
+  if (descriptor_ < 0) return absl::InternalError(absl::StrCat(name_, " can't be written: it is closed"));
+  while (count > 0) {
+    const ssize_t written = write(descriptor_, bytes, count);
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return SystemError(name_, "can't be written", errno);
+    bytes += written, count -= written;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status BufferedFile::ReadAt(uint64_t offset, void* bytes, size_t count) const {
+  char* to = static_cast<char*>(bytes);
+  while (count > 0) {
+    const ssize_t got = pread(descriptor_, to, count, static_cast<off_t>(offset));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return SystemError(name_, "can't be read back", errno);
+    if (got == 0) return absl::InternalError(absl::StrCat(name_, " can't be read back: it ends at byte ", offset));
+    to += got, count -= got, offset += got;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status BufferedFile::Close() {
+  MESHFRONT_RETURN_IF_ERROR(Flush());
+  const int descriptor = descriptor_;
+  descriptor_ = -1;
+  // A network file system may tell of a full disk only here.
+  if (descriptor > STDERR_FILENO && close(descriptor) != 0) return SystemError(name_, "can't be written", errno);
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::unique_ptr<BufferedFile>> CreateSpoolFile(const std::string& folder) {
+  std::string path;
+  MESHFRONT_ASSIGN_OR_RETURN(const int descriptor,
+                             CreateTemporary(absl::StrCat(folder, "/.meshfront-spool"), absl::StrCat("the folder ", folder), &path));
+  unlink(path.c_str());
+  return std::make_unique<BufferedFile>(descriptor, absl::StrCat("the spool file in ", folder));
+}
+
+std::string FolderOf(const std::string& path) {
+  const size_t slash = path.rfind('/');
+  if (slash == std::string::npos) return ".";
+  return slash == 0 ? "/" : path.substr(0, slash);
+}
+
+OutputFile::OutputFile(std::string path, std::string temporary, std::unique_ptr<BufferedFile> file)
+    : path_(std::move(path)), temporary_(std::move(temporary)), file_(std::move(file)) {}
+
+OutputFile::~OutputFile() {
+  if (!temporary_.empty()) unlink(temporary_.c_str());
+}
+
+absl::StatusOr<std::unique_ptr<OutputFile>> OutputFile::Create(const std::string& path) {
+  struct stat existing;
+  const bool exists = path != "-" && stat(path.c_str(), &existing) == 0;
+  if (path == "-") {
+    auto file = std::make_unique<BufferedFile>(STDOUT_FILENO, "standard output");
+    return std::unique_ptr<OutputFile>(new OutputFile(path, "", std::move(file)));
+  }
+  if (exists && S_ISDIR(existing.st_mode)) return SystemError(path, "can't be written", EISDIR);
+  if (exists && !S_ISREG(existing.st_mode)) {  // /dev/null, a pipe: nothing to be renamed over
+    const int descriptor = open(path.c_str(), O_WRONLY | O_CLOEXEC);
+    if (descriptor < 0) return SystemError(path, "can't be written", errno);
+    return std::unique_ptr<OutputFile>(new OutputFile(path, "", std::make_unique<BufferedFile>(descriptor, path)));
+  }
+  std::string temporary;
+  MESHFRONT_ASSIGN_OR_RETURN(const int descriptor, CreateTemporary(path, path, &temporary));
+  ApplyUsualPermissions(descriptor);
+  return std::unique_ptr<OutputFile>(new OutputFile(path, temporary, std::make_unique<BufferedFile>(descriptor, path)));
+}
+
+absl::Status OutputFile::Commit() {
+  MESHFRONT_RETURN_IF_ERROR(file_->Close());
+  if (temporary_.empty()) return absl::OkStatus();
+  if (rename(temporary_.c_str(), path_.c_str()) != 0) return SystemError(path_, "can't be written", errno);
+  temporary_.clear();
+  return absl::OkStatus();
+}
+
+absl::Status WriteWholeFile(const std::string& path, absl::string_view bytes) {
+  MESHFRONT_ASSIGN_OR_RETURN(const std::unique_ptr<OutputFile> output, OutputFile::Create(path));
+  MESHFRONT_RETURN_IF_ERROR(output->file().Append(bytes));
+  return output->Commit();
+}
+
+absl::Status CheckCanBeCreated(const std::string& path) { return OutputFile::Create(path).status(); }
+
+}  // namespace meshfront

@@ -1,0 +1,74 @@
+// Files that are whole or not there: OUT is written below a temporary name and renamed; what is spooled has no name at all.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+
+namespace meshfront {
+
+// A file that is appended to through a buffer of fixed size and, when it is seekable, read back. Owns its descriptor. Every error
+// is Internal with the name and what the system says ("OUT.ply can't be written: No space left on device").
+class BufferedFile {
+ public:
+  static constexpr size_t kBufferBytes = 64 << 10;
+
+  BufferedFile(int descriptor, std::string name);
+  ~BufferedFile();
+  BufferedFile(const BufferedFile&) = delete;
+  BufferedFile& operator=(const BufferedFile&) = delete;
+
+  absl::Status Append(const void* bytes, size_t count);
+  absl::Status Append(absl::string_view bytes) { return Append(bytes.data(), bytes.size()); }
+  absl::Status Flush();
+  // Reads exactly `count` bytes at `offset`. What was appended must have been flushed.
+  absl::Status ReadAt(uint64_t offset, void* bytes, size_t count) const;
+  // Flushes, syncs nothing, and gives the descriptor back to the system; later calls fail.
+  absl::Status Close();
+  uint64_t size() const { return size_; }
+  const std::string& name() const { return name_; }
+
+ private:
+  absl::Status WriteThrough(const char* bytes, size_t count);
+
+  int descriptor_;
+  std::string name_;
+  std::string buffer_;
+  uint64_t size_ = 0;
+};
+
+// A nameless file in the folder, gone when it is closed, however the process ends.
+absl::StatusOr<std::unique_ptr<BufferedFile>> CreateSpoolFile(const std::string& folder);
+// The folder that a file lies in: "." for "out.ply".
+std::string FolderOf(const std::string& path);
+
+// One output file. Nothing at `path` changes before Commit; without Commit the temporary file is removed. `-` is standard
+// output, which is written as it comes.
+class OutputFile {
+ public:
+  static absl::StatusOr<std::unique_ptr<OutputFile>> Create(const std::string& path);
+  ~OutputFile();
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  BufferedFile& file() { return *file_; }
+  absl::Status Commit();
+
+ private:
+  OutputFile(std::string path, std::string temporary, std::unique_ptr<BufferedFile> file);
+
+  std::string path_, temporary_;  // temporary: empty when there is nothing to rename or remove
+  std::unique_ptr<BufferedFile> file_;
+};
+
+// Writes a whole file the same way.
+absl::Status WriteWholeFile(const std::string& path, absl::string_view bytes);
+// OK when a file could be created at `path`: its folder exists and can be written, and it is no folder itself. For telling so
+// before the work rather than after it. `-` is always OK.
+absl::Status CheckCanBeCreated(const std::string& path);
+
+}  // namespace meshfront

@@ -1,0 +1,26 @@
+// From a spooled result to a file of any output format, with bounded memory.
+#pragma once
+
+#include "absl/status/status.h"
+#include "client/chunk_spool.h"
+#include "client/output_file.h"
+#include "core/io/mesh_io.h"
+
+namespace meshfront {
+
+// What a format holds of a result: which arrays are worth asking the server for.
+struct FormatNeeds {
+  bool float64 = false;  // positions keep double precision
+  bool normals = false;
+};
+FormatNeeds NeedsOf(Format format);
+
+// OK for the formats that can be written, else InvalidArgument.
+absl::Status CheckWritable(Format format);
+
+// Appends the mesh to `file`; the same bytes for the same mesh, whatever the chunks were. OFF, OBJ, PLY (binary little-endian,
+// double), STL (binary), GLB and glTF (one primitive, float32 positions and normals). Internal when the disk is full or the mesh
+// is beyond what the format can hold (GLB: 4 GiB). Memory: under 4 MB.
+absl::Status WriteSpool(const ChunkSpool& spool, Format format, BufferedFile& file);
+
+}  // namespace meshfront
