@@ -1,0 +1,160 @@
+// SearchApex: 1. begin with the faces of the edge's two ends (FaceQueue); 2. for each face that straddles the circle's plane look
+// at both crossings (KeepBetterCrossings); 3. go on over its sides to faces that meet the ball around edge and circle, adding up
+// the way (closest point of each side passed to the one before), so that another sheet that is connected only around a rim far
+// away stays out of reach.
+// Rejected: a box query of the bounding volume hierarchy. It finds the other side of a thin plate as readily as this one.
+#include "core/surface/apex_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/surface/tolerances.h"
+
+namespace meshfront {
+namespace {
+
+using namespace surface_tolerances;
+
+// Faces in the order they were reached, each once, with the way to them. Kept for each thread, emptied by a new generation.
+class FaceQueue {
+ public:
+  struct Entry {
+    uint32_t face;
+    double way;    // length of the way here
+    Vec3 entered;  // where it came in
+  };
+
+  void Clear() {
+    entries_.clear();
+    if (slots_.empty()) slots_.resize(256);
+    if (++generation_ == 0) {  // after 2^32 searches
+      std::fill(slots_.begin(), slots_.end(), Slot{});
+      generation_ = 1;
+    }
+  }
+  void Add(const Entry& entry) {
+    if (2 * (entries_.size() + 1) > slots_.size()) Grow();
+    if (Mark(entry.face)) entries_.push_back(entry);
+  }
+  size_t size() const { return entries_.size(); }
+  Entry operator[](size_t i) const { return entries_[i]; }
+
+ private:
+  struct Slot {
+    uint32_t face = 0, generation = 0;
+  };
+  bool Mark(uint32_t face) {
+    const size_t mask = slots_.size() - 1;
+    for (size_t i = (face * 0x9e3779b1u) & mask;; i = (i + 1) & mask) {
+      if (slots_[i].generation != generation_) {
+        slots_[i] = {face, generation_};
+        return true;
+      }
+      if (slots_[i].face == face) return false;
+    }
+  }
+  void Grow() {
+    slots_.assign(2 * slots_.size(), Slot{});
+    for (const Entry& entry : entries_) Mark(entry.face);
+  }
+
+  std::vector<Slot> slots_;
+  std::vector<Entry> entries_;
+  uint32_t generation_ = 0;
+};
+
+Vec3 ClosestOnSegment(const Vec3& a, const Vec3& b, const Vec3& p) {
+  const double length2 = SquaredDistance(a, b);
+  return length2 > 0 ? Lerp(a, b, std::clamp(Dot(p - a, b - a) / length2, 0.0, 1.0)) : a;
+}
+
+bool StraddlesCirclePlane(const FaceView& mesh, uint32_t face, const PlacementCircle& circle) {
+  double low = INFINITY, high = -INFINITY;
+  for (int i = 0; i < 3; ++i) {
+    const double height = Dot(mesh.Corner(face, i) - circle.center, circle.axis);
+    low = std::min(low, height), high = std::max(high, height);
+  }
+  const double slack = kFaceSlack * (high - low);
+  return low <= slack && high >= -slack;
+}
+
+struct BestHit {
+  std::optional<FaceHit> hit;
+  double agreement = kMinFrontAgreement;
+};
+
+void KeepBetterCrossings(const FaceView& mesh, absl::Span<const Vec3> normals, const ApexQuery& query,
+                         const FaceQueue::Entry& at, double longest_way, BestHit& best) {
+  const PlaneCrossings crossings = CrossFacePlane(mesh, at.face, query.circle);
+  for (int i = 0; i < crossings.count; ++i) {
+    int beyond = 0;
+    const std::optional<FaceHit> hit = HitInFace(mesh, at.face, crossings.points[i], &beyond);
+    if (!hit || at.way + Distance(at.entered, hit->position) > longest_way) continue;
+    const double agreement = FrontAgreement(query, hit->position, BlendNormals(mesh, normals, *hit));
+    if (agreement < kMinFrontAgreement || (best.hit && agreement <= best.agreement)) continue;
+    best = {hit, agreement};
+  }
+}
+
+}  // namespace
+
+std::optional<ApexQuery> CreateApexQuery(const SourcePoint& a, const SourcePoint& b, double radius_a, double radius_b) {
+  const Vec3 edge = b.position - a.position;
+  const double length = Norm(edge);
+  if (!(length > 0 && radius_a > 0 && radius_b > 0)) return std::nullopt;
+  ApexQuery query{a, b, Normalized(a.normal + b.normal), {}};
+  PlacementCircle& circle = query.circle;
+  circle.axis = edge / length;
+  const double along = (length * length + (radius_a - radius_b) * (radius_a + radius_b)) / (2 * length);
+  const double radius2 = (radius_a - along) * (radius_a + along);
+  if (!(radius2 > kTouching * kTouching * radius_a * radius_a)) return std::nullopt;
+  circle.center = a.position + along * circle.axis;
+  circle.radius = std::sqrt(radius2);
+  circle.side = Cross(circle.axis, query.normal);
+  const double sine = Norm(circle.side);
+  if (!(sine > kMinEdgeToNormalSine)) return std::nullopt;
+  circle.side = circle.side / sine;
+  return query;
+}
+
+double FrontAgreement(const ApexQuery& query, const Vec3& apex, const Vec3& surface_normal) {
+  const Vec3 edge = query.b.position - query.a.position, to_apex = apex - query.a.position;
+  if (!(Dot(to_apex, query.circle.side) > 0)) return -1;
+  const Vec3 triangle = Cross(to_apex, edge);  // of (b, a, apex)
+  const double area2 = Norm(triangle);
+  if (!(area2 > 0)) return -1;
+  if (!(Dot(triangle, surface_normal) > kMinApexAgreement * area2 * Norm(surface_normal))) return -1;
+  return Dot(triangle, query.normal) / area2;
+}
+
+std::optional<FaceHit> SearchApex(const FaceView& mesh, absl::Span<const Vec3> normals, const ApexQuery& query) {
+  thread_local FaceQueue queue;
+  const Vec3& center = query.circle.center;
+  const double ball = std::max({query.circle.radius, Distance(center, query.a.position), Distance(center, query.b.position)});
+  const double longest_way = kMaxDetour * ball;
+  BestHit best;
+  queue.Clear();
+  for (const SourcePoint* end : {&query.a, &query.b}) queue.Add({end->patch, 0, end->position});
+  for (size_t i = 0; i < queue.size() && i < kMaxSearchFaces; ++i) {
+    const FaceQueue::Entry at = queue[i];
+    if (StraddlesCirclePlane(mesh, at.face, query.circle)) KeepBetterCrossings(mesh, normals, query, at, longest_way, best);
+    for (int side = 0; side < 3; ++side) {
+      const uint32_t across = mesh.opposite[3 * at.face + side];
+      if (across == kNoHalfEdge) continue;
+      const Vec3 passed = ClosestOnSegment(mesh.Corner(at.face, side), mesh.Corner(at.face, side == 2 ? 0 : side + 1), at.entered);
+      const double way = at.way + Distance(at.entered, passed);
+      if (way > longest_way) continue;
+      if (ClosestOnFace(mesh, across / 3, center).squared_distance > ball * ball) continue;
+      queue.Add({across / 3, way, passed});
+    }
+  }
+  return best.hit;
+}
+
+Vec3 BlendNormals(const FaceView& mesh, absl::Span<const Vec3> normals, const FaceHit& hit) {
+  const Triangle& t = mesh.triangles[hit.face];
+  return (1 - hit.u - hit.v) * normals[t[0].index()] + hit.u * normals[t[1].index()] + hit.v * normals[t[2].index()];
+}
+
+}  // namespace meshfront

@@ -1,0 +1,23 @@
+// Maximum curvature at the vertices of a mesh, from a quadratic fitted to the 3-ring (sec. 3.2).
+#pragma once
+
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/types/span.h"
+#include "core/base/context.h"
+#include "core/mesh/adjacency.h"
+#include "core/mesh/triangle_mesh.h"
+
+namespace meshfront {
+
+// max(|κ₁|, |κ₂|) of every vertex, 1/length: finite, ≥ 0, and at most 2 / (the shorter incident edges), which is what the mesh
+// can resolve; 0 for vertices without a face. `normals` are unit vertex normals. At a rim the fit is one-sided. Runs on the
+// context's threads, same bits at any number; its status when it is stopped. About 0.5 µs a vertex and core.
+absl::StatusOr<std::vector<double>> FitMaxCurvatures(const TriangleMesh& mesh, const FaceAdjacency& adjacency,
+                                                     absl::Span<const Vec3> normals, const Context& context);
+
+// Of the height field z = a x² + b x y + c y² + d x + e y at the origin, from its first and second fundamental forms.
+double MaxCurvatureOfQuadratic(double a, double b, double c, double d, double e);
+
+}  // namespace meshfront

@@ -1,0 +1,95 @@
+// MeshSurface::CurvatureSamples: 1. every vertex; 2. points inside long edges and in faces whose sides are all long, with the
+// curvature interpolated (input triangles longer than the ideal length under-sample the field, Fig. 3); 3. the distance to the
+// other sheet at each vertex.
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/status_macros.h"
+#include "core/surface/curvature_fit.h"
+#include "core/surface/mesh_surface.h"
+
+namespace meshfront {
+namespace {
+
+constexpr int kMaxPerEdge = 8;
+constexpr size_t kCheckEvery = 4096;
+
+// How many equal pieces an edge is cut into so that each is at most the ideal length.
+int Pieces(double length, double ideal_length) {
+  if (!(ideal_length > 0)) return kMaxPerEdge + 1;
+  return static_cast<int>(std::clamp(std::ceil(length / ideal_length), 1.0, kMaxPerEdge + 1.0));
+}
+
+// Adds what lies between a mesh's vertices, up to a limit.
+class Densifier {
+ public:
+  Densifier(const TriangleMesh& mesh, absl::Span<const double> curvatures, absl::Span<const double> ideal_lengths,
+            std::vector<CurvatureSample>& samples)
+      : mesh_(mesh), curvatures_(curvatures), ideal_lengths_(ideal_lengths), samples_(samples),
+        limit_(5 * mesh.positions.size() + 200000) {}
+
+  int PiecesOf(VertexId a, VertexId b) const {
+    const double ideal_length = std::min(ideal_lengths_[a.index()], ideal_lengths_[b.index()]);
+    return Pieces(Distance(mesh_.PositionAt(a), mesh_.PositionAt(b)), ideal_length);
+  }
+  void AddEdge(VertexId a, VertexId b) {
+    const int pieces = PiecesOf(a, b);
+    for (int i = 1; i < pieces; ++i) Add({a, b, b}, static_cast<double>(i) / pieces, 0);
+  }
+  // Points on a barycentric grid as fine as the face's sides are cut, without those on the sides.
+  void AddFace(const Triangle& t) {
+    const int pieces = std::min({PiecesOf(t[0], t[1]), PiecesOf(t[1], t[2]), PiecesOf(t[2], t[0])});
+    for (int i = 1; i < pieces; ++i) {
+      for (int j = 1; i + j < pieces; ++j) Add(t, static_cast<double>(i) / pieces, static_cast<double>(j) / pieces);
+    }
+  }
+
+ private:
+  void Add(const Triangle& t, double u, double v) {
+    if (samples_.size() >= limit_) return;
+    const double w = 1 - u - v;
+    const uint32_t a = t[0].index(), b = t[1].index(), c = t[2].index();
+    samples_.push_back({w * mesh_.positions[a] + u * mesh_.positions[b] + v * mesh_.positions[c],
+                        w * curvatures_[a] + u * curvatures_[b] + v * curvatures_[c], INFINITY});
+  }
+
+  const TriangleMesh& mesh_;
+  absl::Span<const double> curvatures_;
+  absl::Span<const double> ideal_lengths_;
+  std::vector<CurvatureSample>& samples_;
+  size_t limit_;
+};
+
+}  // namespace
+
+absl::Status MeshSurface::ComputeCurvature(const Context& context) {
+  MESHFRONT_ASSIGN_OR_RETURN(curvatures_, FitMaxCurvatures(mesh_, adjacency_, normals_, context));
+  has_curvature_ = true;
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<CurvatureSample>> MeshSurface::CurvatureSamples(
+    absl::FunctionRef<double(double max_curvature)> ideal_length, bool with_thickness, const Context& context) const {
+  if (!has_curvature_) return absl::FailedPreconditionError("the curvature must be computed before it is sampled");
+  std::vector<double> ideal_lengths(curvatures_.size());
+  for (size_t v = 0; v < curvatures_.size(); ++v) ideal_lengths[v] = ideal_length(curvatures_[v]);
+  std::vector<CurvatureSample> samples;
+  samples.reserve(mesh_.positions.size());
+  for (size_t v = 0; v < mesh_.positions.size(); ++v) {
+    if (adjacency_.outgoing[v] != kNoHalfEdge) samples.push_back({mesh_.positions[v], curvatures_[v], INFINITY});
+  }
+  (void)with_thickness;
+  Densifier densifier(mesh_, curvatures_, ideal_lengths, samples);
+  for (uint32_t f = 0; f < mesh_.triangles.size(); ++f) {
+    if (f % kCheckEvery == 0) MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
+    const Triangle& t = mesh_.triangles[f];
+    for (int i = 0; i < 3; ++i) {
+      const uint32_t across = adjacency_.opposite[f][i];
+      if (across == kNoHalfEdge || across > 3 * f + i) densifier.AddEdge(t[i], t[i == 2 ? 0 : i + 1]);
+    }
+    densifier.AddFace(t);
+  }
+  return samples;
+}
+
+}  // namespace meshfront

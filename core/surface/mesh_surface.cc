@@ -1,0 +1,152 @@
+#include "core/surface/mesh_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
+#include "core/geometry/triangle.h"
+#include "core/surface/apex_search.h"
+#include "core/surface/tolerances.h"
+#include "core/surface/vertex_normals.h"
+
+namespace meshfront {
+namespace {
+
+using namespace surface_tolerances;
+
+absl::Status ValidateMesh(const TriangleMesh& mesh) {
+  if (mesh.triangles.empty()) return absl::InvalidArgumentError("the mesh has no triangles; a surface needs at least one");
+  for (size_t f = 0; f < mesh.triangles.size(); ++f) {
+    for (const VertexId v : mesh.triangles[f]) {
+      if (v.index() >= mesh.positions.size()) {
+        return absl::InvalidArgumentError(absl::StrCat("triangle ", f, " names vertex ", v.index(), "; the mesh has ",
+                                                       mesh.positions.size(), " vertices"));
+      }
+      if (!IsFinite(mesh.PositionAt(v))) {
+        return absl::InvalidArgumentError(absl::StrCat("vertex ", v.index(), " has a coordinate that is not finite"));
+      }
+    }
+  }
+  const double diagonal = BoundingBox(mesh).Diagonal();
+  if (!(diagonal >= kMinDiagonal && diagonal <= kMaxDiagonal)) {
+    return absl::InvalidArgumentError(absl::StrCat("the mesh's bounding box has the diagonal ", diagonal, "; it must be in [",
+                                                   kMinDiagonal, ", ", kMaxDiagonal, "], scale it first"));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<MeshSurface>> MeshSurface::Create(TriangleMesh mesh, const Context& context) {
+  MESHFRONT_RETURN_IF_ERROR(ValidateMesh(mesh));
+  MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
+  std::optional<FaceAdjacency> adjacency = FindOrientedAdjacency(mesh);
+  if (!adjacency) {
+    return absl::InvalidArgumentError("the mesh is not an oriented manifold; repair it first");
+  }
+  MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
+  auto surface = std::unique_ptr<MeshSurface>(new MeshSurface(std::move(mesh), *std::move(adjacency)));
+  MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
+  return surface;
+}
+
+MeshSurface::MeshSurface(TriangleMesh mesh, FaceAdjacency adjacency)
+    : mesh_(std::move(mesh)), adjacency_(std::move(adjacency)), normals_(ComputeVertexNormals(mesh_)),
+      curvatures_(mesh_.positions.size(), 0.0), components_(LabelComponents(adjacency_)),
+      component_has_boundary_(components_.count, false) {
+  for (size_t f = 0; f < adjacency_.opposite.size(); ++f) {
+    for (const uint32_t across : adjacency_.opposite[f]) {
+      if (across == kNoHalfEdge) component_has_boundary_[components_.label[f]] = true;
+    }
+  }
+}
+
+FaceView MeshSurface::View() const {
+  return {mesh_.positions.data(), mesh_.triangles.data(), adjacency_.opposite.data()->data(),
+          static_cast<uint32_t>(mesh_.triangles.size())};
+}
+
+SourcePoint MeshSurface::Place(const FaceHit& hit) const {
+  const FaceView view = View();
+  const Vec3 blend = BlendNormals(view, normals_, hit);
+  double length = Norm(blend);
+  if (length > kCancelledNormal) return {hit.position, blend / length, hit.face, hit.u, hit.v};
+  const Vec3 face = AreaVector(view.Corner(hit.face, 0), view.Corner(hit.face, 1), view.Corner(hit.face, 2));
+  length = Norm(face);
+  const Vec3 normal = length > 0 ? face / length : normals_[mesh_.triangles[hit.face][0].index()];
+  return {hit.position, normal, hit.face, hit.u, hit.v};
+}
+
+SourcePoint MeshSurface::AtVertex(VertexId v) const {
+  const uint32_t h = adjacency_.outgoing[v.index()];
+  const uint32_t corner = h % 3;
+  return {mesh_.PositionAt(v), normals_[v.index()], h / 3, corner == 1 ? 1.0 : 0.0, corner == 2 ? 1.0 : 0.0};
+}
+
+SourcePoint MeshSurface::AtFace(FaceId face, double u, double v) const {
+  const Triangle& t = mesh_.triangles[face.index()];
+  const Vec3 position =
+      (1 - u - v) * mesh_.PositionAt(t[0]) + u * mesh_.PositionAt(t[1]) + v * mesh_.PositionAt(t[2]);
+  return Place({face.index(), u, v, position});
+}
+
+std::vector<SourcePoint> MeshSurface::Seeds(bool all) const {
+  std::vector<Box3> boxes(component_count());
+  for (size_t f = 0; f < mesh_.triangles.size(); ++f) {
+    for (const VertexId v : mesh_.triangles[f]) boxes[components_.label[f]].Extend(mesh_.PositionAt(v));
+  }
+  // Well shaped counts, and flat against the size of the component.
+  std::vector<std::pair<double, uint32_t>> best(component_count(), {-1, 0});
+  for (uint32_t f = 0; f < mesh_.triangles.size(); ++f) {
+    const Triangle& t = mesh_.triangles[f];
+    double curvature = 0;
+    for (const VertexId v : t) curvature = std::max(curvature, curvatures_[v.index()]);
+    const uint32_t component = components_.label[f];
+    const double shape = RadiusRatio(mesh_.PositionAt(t[0]), mesh_.PositionAt(t[1]), mesh_.PositionAt(t[2]));
+    const double score = shape / (1 + kSeedFlatness * boxes[component].Diagonal() * curvature);
+    if (score > best[component].first) best[component] = {score, f};
+  }
+  std::vector<SourcePoint> seeds;
+  for (uint32_t component = 0; component < component_count(); ++component) {
+    if (!all && component_has_boundary_[component]) continue;
+    seeds.push_back(AtFace(FaceId(best[component].second), 1.0 / 3, 1.0 / 3));
+  }
+  return seeds;
+}
+
+std::optional<SourcePoint> MeshSurface::FindApex(const SourcePoint& a, const SourcePoint& b, double radius_a,
+                                                 double radius_b) const {
+  if (a.patch >= mesh_.triangles.size() || b.patch >= mesh_.triangles.size()) return std::nullopt;
+  const std::optional<ApexQuery> query = CreateApexQuery(a, b, radius_a, radius_b);
+  if (!query) return std::nullopt;
+  const FaceView view = View();
+  if (const auto hit = WalkToCircle(view, radius_a <= radius_b ? a.patch : b.patch, query->circle)) {
+    if (FrontAgreement(*query, hit->position, BlendNormals(view, normals_, *hit)) >= kMinFrontAgreement) return Place(*hit);
+  }
+  if (const auto hit = SearchApex(view, normals_, *query)) return Place(*hit);
+  return std::nullopt;
+}
+
+SourcePoint MeshSurface::Snap(const SourcePoint& start, const Vec3& target) const {
+  return Place(DescendToClosest(View(), FaceOf(start), target));
+}
+
+double MeshSurface::MaxCurvatureAt(const SourcePoint& p) const {
+  const Triangle& t = mesh_.triangles[FaceOf(p)];
+  return (1 - p.u - p.v) * curvatures_[t[0].index()] + p.u * curvatures_[t[1].index()] + p.v * curvatures_[t[2].index()];
+}
+
+bool MeshSurface::IsOnBoundary(const SourcePoint& p) const {
+  const uint32_t face = FaceOf(p);
+  const double weights[3] = {1 - p.u - p.v, p.u, p.v};
+  for (int corner = 0; corner < 3; ++corner) {
+    const int facing = corner == 2 ? 0 : corner + 1;  // the half-edge that faces this corner
+    if (weights[corner] <= kOnEdge && adjacency_.opposite[face][facing] == kNoHalfEdge) return true;
+    if (weights[corner] >= 1 - kOnEdge && adjacency_.IsRimVertex(mesh_.triangles[face][corner].index())) return true;
+  }
+  return false;
+}
+
+}  // namespace meshfront

@@ -1,0 +1,161 @@
+// DescendToClosest: 1. ClosestOnFace of the current face; 2. if the point lies inside, done; 3. on an edge look across it, at a
+// corner look around it (ClosestAround); 4. move while the distance strictly decreases. The distance of a face is a function of
+// the face alone, so a strict decrease can't come back to one.
+// WalkToCircle: 1. descend to the face under the circle's middle of the open side; 2. cross the circle with that face's plane;
+// 3. the crossing inside the face is the hit, else go on over the edge that it lies beyond.
+//
+//            circle, seen along the axis            Rejected: stepping by the closest point alone. It lands beside the circle
+//              ..--o--..   o  = hit                 on curved faces, so that edge lengths are only nearly those asked for
+//      a,b --> c---+--- )  -+- = section of mesh    (the prototype's flaw).
+#include "core/surface/mesh_walk.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/surface/tolerances.h"
+
+namespace meshfront {
+namespace {
+
+using namespace surface_tolerances;
+
+constexpr int Next(int corner) { return corner == 2 ? 0 : corner + 1; }
+constexpr int Previous(int corner) { return corner == 0 ? 2 : corner - 1; }
+
+// Replaces `best` by the closest point of half-edge `edge` when that is closer.
+void KeepCloserOnEdge(const FaceView& mesh, uint32_t face, int edge, const Vec3& target, ClosestHit& best) {
+  const Vec3& from = mesh.Corner(face, edge);
+  const Vec3 along = mesh.Corner(face, Next(edge)) - from;
+  const double length2 = SquaredNorm(along);
+  double t = length2 > 0 ? Dot(target - from, along) / length2 : 0;
+  t = std::clamp(t, 0.0, 1.0);
+  const Vec3 position = from + t * along;
+  const double d2 = SquaredDistance(target, position);
+  if (!(d2 < best.squared_distance)) return;
+  double weights[3] = {0, 0, 0};
+  weights[edge] = 1 - t;
+  weights[Next(edge)] = t;
+  best.hit = {face, weights[1], weights[2], position};
+  best.squared_distance = d2;
+  best.region = t <= 0 ? 4 + edge : t >= 1 ? 4 + Next(edge) : 1 + edge;
+}
+
+// The closest point over the faces around a corner; `best` is what is known already.
+ClosestHit ClosestAround(const FaceView& mesh, const ClosestHit& best, const Vec3& target) {
+  ClosestHit closest = best;
+  const uint32_t start = best.hit.face;
+  const int start_corner = best.region - 4;
+  uint32_t face = start;
+  int corner = start_corner;
+  for (;;) {  // over the half-edge that comes in, until round or at the rim
+    const uint32_t across = mesh.opposite[3 * face + Previous(corner)];
+    if (across == kNoHalfEdge) break;
+    face = across / 3, corner = static_cast<int>(across % 3);
+    if (face == start) return closest;
+    const ClosestHit other = ClosestOnFace(mesh, face, target);
+    if (other.squared_distance < closest.squared_distance) closest = other;
+  }
+  for (face = start, corner = start_corner;;) {  // and the other way
+    const uint32_t across = mesh.opposite[3 * face + corner];
+    if (across == kNoHalfEdge) return closest;
+    face = across / 3, corner = Next(static_cast<int>(across % 3));
+    if (face == start) return closest;
+    const ClosestHit other = ClosestOnFace(mesh, face, target);
+    if (other.squared_distance < closest.squared_distance) closest = other;
+  }
+}
+
+}  // namespace
+
+ClosestHit ClosestOnFace(const FaceView& mesh, uint32_t face, const Vec3& target) {
+  const Vec3& a = mesh.Corner(face, 0);
+  const Vec3 e1 = mesh.Corner(face, 1) - a, e2 = mesh.Corner(face, 2) - a, d = target - a;
+  const double g11 = SquaredNorm(e1), g12 = Dot(e1, e2), g22 = SquaredNorm(e2);
+  const double b1 = Dot(d, e1), b2 = Dot(d, e2);
+  const double det = g11 * g22 - g12 * g12;
+  const double s = g22 * b1 - g12 * b2, t = g11 * b2 - g12 * b1;
+  ClosestHit best;
+  if (det > 0 && s >= 0 && t >= 0 && s + t <= det) {
+    const double u = s / det, v = t / det;
+    best.hit = {face, u, v, a + u * e1 + v * e2};
+    best.squared_distance = SquaredDistance(target, best.hit.position);
+    return best;
+  }
+  // Only an edge that the target lies beyond can hold the closest point; a face without area has no inside, so all can.
+  best.squared_distance = INFINITY;
+  best.hit = {face, 0, 0, a};
+  best.region = 4;
+  const bool flat = !(det > 0);
+  if (flat || t < 0) KeepCloserOnEdge(mesh, face, 0, target, best);
+  if (flat || s + t > det) KeepCloserOnEdge(mesh, face, 1, target, best);
+  if (flat || s < 0) KeepCloserOnEdge(mesh, face, 2, target, best);
+  return best;
+}
+
+FaceHit DescendToClosest(const FaceView& mesh, uint32_t start, const Vec3& target) {
+  ClosestHit best = ClosestOnFace(mesh, start, target);
+  while (best.region != 0) {
+    ClosestHit other;
+    if (best.region >= 4) {
+      other = ClosestAround(mesh, best, target);
+    } else {
+      const uint32_t across = mesh.opposite[3 * best.hit.face + best.region - 1];
+      if (across == kNoHalfEdge) break;
+      other = ClosestOnFace(mesh, across / 3, target);
+    }
+    if (!(other.squared_distance < best.squared_distance)) break;
+    best = other;
+  }
+  return best.hit;
+}
+
+PlaneCrossings CrossFacePlane(const FaceView& mesh, uint32_t face, const PlacementCircle& circle) {
+  const Vec3& p = mesh.Corner(face, 0);
+  const Vec3 normal = Cross(mesh.Corner(face, 1) - p, mesh.Corner(face, 2) - p);
+  // In the circle's plane the face's plane is the line  centre + (d / |m|²) m + s (axis × m), with m the normal's part there.
+  const Vec3 m = normal - Dot(normal, circle.axis) * circle.axis;
+  const double m2 = SquaredNorm(m);
+  if (!(m2 > kParallelSquared * SquaredNorm(normal))) return {};
+  const double offset = Dot(normal, p - circle.center) / m2;
+  const double chord2 = circle.radius * circle.radius - offset * offset * m2;
+  if (!(chord2 >= 0)) return {};
+  const Vec3 foot = circle.center + offset * m;
+  Vec3 along = std::sqrt(chord2 / m2) * Cross(circle.axis, m);
+  if (Dot(along, circle.side) < 0) along = -along;
+  return {2, {foot + along, foot - along}};
+}
+
+std::optional<FaceHit> HitInFace(const FaceView& mesh, uint32_t face, const Vec3& point, int* across) {
+  const Vec3& a = mesh.Corner(face, 0);
+  const Vec3 e1 = mesh.Corner(face, 1) - a, e2 = mesh.Corner(face, 2) - a, d = point - a;
+  const Vec3 normal = Cross(e1, e2);
+  const double n2 = SquaredNorm(normal);
+  *across = 0;
+  if (!(n2 > 0)) return std::nullopt;
+  double u = Dot(Cross(d, e2), normal) / n2, v = Dot(Cross(e1, d), normal) / n2;
+  const double w = 1 - u - v;
+  const double worst = std::min({u, v, w});
+  *across = worst == v ? 0 : worst == w ? 1 : 2;  // the half-edge that faces the corner of the smallest weight
+  if (!(worst >= -kFaceSlack)) return std::nullopt;
+  u = std::clamp(u, 0.0, 1.0);
+  v = std::clamp(v, 0.0, 1.0 - u);
+  return FaceHit{face, u, v, point};
+}
+
+std::optional<FaceHit> WalkToCircle(const FaceView& mesh, uint32_t start, const PlacementCircle& circle) {
+  uint32_t face = DescendToClosest(mesh, start, circle.center + circle.radius * circle.side).face;
+  uint32_t before = kNoHalfEdge;
+  for (int step = 0; step < kMaxCircleSteps; ++step) {
+    const PlaneCrossings crossings = CrossFacePlane(mesh, face, circle);
+    if (crossings.count == 0) return std::nullopt;
+    int beyond = 0;
+    if (auto hit = HitInFace(mesh, face, crossings.points[0], &beyond)) return hit;
+    const uint32_t across = mesh.opposite[3 * face + beyond];
+    if (across == kNoHalfEdge || across / 3 == before) return std::nullopt;
+    before = face;
+    face = across / 3;
+  }
+  return std::nullopt;
+}
+
+}  // namespace meshfront

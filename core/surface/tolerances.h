@@ -1,0 +1,36 @@
+// Every number of this room that stands for "nearly".
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace meshfront::surface_tolerances {
+
+// A hit may lie outside its face by this barycentric weight: rounding at a shared edge must lose it for neither face.
+inline constexpr double kFaceSlack = 1e-9;
+// Weights below this lie on the edge: the rim of an open mesh.
+inline constexpr double kOnEdge = 1e-12;
+// Two spheres whose circle is smaller than this, relative to the radius, only touch.
+inline constexpr double kTouching = 1e-10;
+// Sine of the angle between a front edge and the front's normal below which no side is the open one.
+inline constexpr double kMinEdgeToNormalSine = 1e-6;
+// Squared sine below which a face is parallel to the circle's plane.
+inline constexpr double kParallelSquared = 1e-24;
+// A free triangle's normal agrees with the front's by at least this cosine (78°).
+inline constexpr double kMinFrontAgreement = 0.2;
+// And with the surface's at the apex by more than this: otherwise the apex lies on another sheet.
+inline constexpr double kMinApexAgreement = 0.0;
+// Steps of the walk along the circle before the search takes over; beyond a dozen it runs in circles.
+inline constexpr int kMaxCircleSteps = 64;
+// Diagonals of a mesh: their fourth powers, which the fits form, stay well inside the range of double.
+inline constexpr double kMinDiagonal = 1e-70, kMaxDiagonal = 1e70;
+// A blend of unit normals shorter than this has no direction.
+inline constexpr double kCancelledNormal = 1e-3;
+// How much a curvature of 1 / (component's diagonal) speaks against a seed there.
+inline constexpr double kSeedFlatness = 0.1;
+// The search goes no farther along the surface than this many radii of the ball around the circle.
+inline constexpr double kMaxDetour = 2.5;
+// Faces that one search may visit: bounds the time where an edge is long against the input.
+inline constexpr size_t kMaxSearchFaces = 20000;
+
+}  // namespace meshfront::surface_tolerances

@@ -1,0 +1,97 @@
+#include "core/surface/vertex_rings.h"
+
+#include "core/base/status_macros.h"
+
+namespace meshfront {
+namespace {
+
+constexpr size_t kGrain = 4096;
+
+// Calls visit(neighbour) for every vertex that shares an edge with v, counter-clockwise.
+template <class Visit>
+void VisitNeighbours(const TriangleMesh& mesh, const FaceAdjacency& adjacency, uint32_t v, Visit visit) {
+  const uint32_t first = adjacency.outgoing[v];
+  for (uint32_t h = first; h != kNoHalfEdge;) {
+    visit(TargetOf(mesh, h).index());
+    const uint32_t next = adjacency.NextAroundOrigin(h);
+    if (next == kNoHalfEdge) visit(OriginOf(mesh, PreviousHalfEdge(h)).index());  // along the rim
+    if (next == first) return;
+    h = next;
+  }
+}
+
+uint32_t StrideOf(uint32_t degree) { return (degree + VertexRings::kMaxDegree - 1) / VertexRings::kMaxDegree; }
+
+}  // namespace
+
+absl::StatusOr<VertexRings> CreateVertexRings(const TriangleMesh& mesh, const FaceAdjacency& adjacency,
+                                              const Context& context) {
+  const size_t count = mesh.positions.size();
+  VertexRings rings;
+  rings.begin.assign(count + 1, 0);
+  std::vector<uint32_t> degrees(count, 0);
+  MESHFRONT_RETURN_IF_ERROR(ParallelFor(count, kGrain, context, [&](size_t begin, size_t end) {
+    for (size_t v = begin; v < end; ++v) {
+      uint32_t degree = 0;
+      VisitNeighbours(mesh, adjacency, static_cast<uint32_t>(v), [&](uint32_t) { ++degree; });
+      degrees[v] = degree;
+    }
+  }));
+  for (size_t v = 0; v < count; ++v) {
+    const uint32_t stride = degrees[v] > 0 ? StrideOf(degrees[v]) : 1;
+    rings.begin[v + 1] = rings.begin[v] + (degrees[v] + stride - 1) / stride;
+  }
+  rings.neighbours.resize(rings.begin[count]);
+  MESHFRONT_RETURN_IF_ERROR(ParallelFor(count, kGrain, context, [&](size_t begin, size_t end) {
+    for (size_t v = begin; v < end; ++v) {
+      uint32_t at = rings.begin[v], i = 0;
+      const uint32_t stride = degrees[v] > 0 ? StrideOf(degrees[v]) : 1;
+      VisitNeighbours(mesh, adjacency, static_cast<uint32_t>(v), [&](uint32_t neighbour) {
+        if (i++ % stride == 0) rings.neighbours[at++] = neighbour;
+      });
+    }
+  }));
+  return rings;
+}
+
+void RingCollector::Start(uint32_t center) {
+  if (++generation_ == 0) {
+    slots_.fill({});
+    generation_ = 1;
+  }
+  Mark(center);
+  vertices_[0] = center;
+  ring_of_[0] = 0;
+  count_ = 1;
+  last_ring_begin_ = 0;
+  ring_ = 0;
+}
+
+bool RingCollector::Grow(const VertexRings& rings) {
+  const uint32_t begin = last_ring_begin_, end = count_;
+  if (count_ == kCapacity) return false;
+  ++ring_;
+  for (uint32_t i = begin; i < end; ++i) {
+    for (const uint32_t v : rings.Of(vertices_[i])) {
+      if (!Mark(v)) continue;
+      vertices_[count_] = v;
+      ring_of_[count_] = static_cast<uint8_t>(ring_);
+      if (++count_ == kCapacity) break;
+    }
+    if (count_ == kCapacity) break;
+  }
+  last_ring_begin_ = end;
+  return count_ > end;
+}
+
+bool RingCollector::Mark(uint32_t v) {
+  for (uint32_t i = (v * 0x9e3779b1u) >> 22;; i = (i + 1) % kSlots) {
+    if (slots_[i].generation != generation_) {
+      slots_[i] = {v, generation_};
+      return true;
+    }
+    if (slots_[i].vertex == v) return false;
+  }
+}
+
+}  // namespace meshfront
