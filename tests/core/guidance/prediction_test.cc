@@ -1,0 +1,62 @@
+#include "core/guidance/prediction.h"
+
+#include <atomic>
+#include <cmath>
+#include <vector>
+
+#include "gtest/gtest.h"
+#include "tests/support/shapes.h"
+
+namespace meshfront {
+namespace {
+
+FaceSpans SpansOf(const TriangleMesh& mesh) { return {mesh.positions, mesh.triangles}; }
+
+GuidanceField FieldOf(std::vector<SizingSample> samples, double max_length) {
+  return *GuidanceField::Create(std::move(samples), {1.2, 0, max_length}, {});
+}
+
+double Predict(const TriangleMesh& mesh, const GuidanceField& field, int threads = 1) {
+  Context context;
+  context.threads = threads;
+  return *PredictTriangles(SpansOf(mesh), field, context);
+}
+
+TEST(Prediction, CountsEquilateralTrianglesOfAUniformField) {
+  // A 2 × 2 sheet and edges of 0.1: 4 / (√3/4 · 0.01) triangles, on coarse faces as on fine ones.
+  const double expected = kTrianglesPerIdealTriangle * 4 / (std::sqrt(3) / 4 * 0.01);
+  for (int n : {1, 10, 100}) EXPECT_NEAR(Predict(testing::Sheet(n), FieldOf({}, 0.1)), expected, 1e-9 * expected);
+}
+
+TEST(Prediction, SeesASmallFeatureInsideALargeFace) {
+  // One fine sample in the middle of one face of two: the same count as on a mesh that resolves it.
+  const GuidanceField field = FieldOf({{{0.3, -0.4, 0}, 0.01}}, 2);
+  const double fine = Predict(testing::Sheet(400), field);
+  EXPECT_NEAR(Predict(testing::Sheet(1), field) / fine, 1, 0.05);
+  EXPECT_NEAR(Predict(testing::Sheet(20), field) / fine, 1, 0.05);
+}
+
+TEST(Prediction, IsTheSameAtAnyThreadCount) {
+  const TriangleMesh mesh = testing::Icosphere(5);
+  const GuidanceField field = FieldOf({{{1, 0, 0}, 0.01}, {{0, -1, 0}, 0.05}}, 0.5);
+  EXPECT_EQ(Predict(mesh, field, 1), Predict(mesh, field, 4));
+}
+
+TEST(Prediction, IsBoundedOnAFieldFarFinerThanTheFaces) {
+  const double l = 1e-9;
+  const double expected = kTrianglesPerIdealTriangle * 4 / (std::sqrt(3) / 4 * l * l);
+  EXPECT_NEAR(Predict(testing::Sheet(2), FieldOf({}, l)) / expected, 1, 1e-9);
+}
+
+TEST(Prediction, IsZeroWithoutFaces) { EXPECT_EQ(Predict({}, FieldOf({}, 1)), 0); }
+
+TEST(Prediction, StopsWhenItsContextSaysSo) {
+  const std::atomic<bool> stop = true;
+  Context context;
+  context.stop = &stop;
+  const TriangleMesh mesh = testing::Sheet(3);
+  EXPECT_EQ(PredictTriangles(SpansOf(mesh), FieldOf({}, 1), context).status().code(), absl::StatusCode::kCancelled);
+}
+
+}  // namespace
+}  // namespace meshfront
