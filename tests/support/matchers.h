@@ -24,7 +24,8 @@ MATCHER(IsOk, negation ? "is an error" : "is OK") {
   return StatusOf(arg).ok();
 }
 MATCHER_P2(StatusIs, code, substring,
-           (negation ? "is not " : "is ") + absl::StatusCodeToString(code) + " saying \"" + std::string(substring) + "\"") {
+           (negation ? "is not " : "is ") + absl::StatusCodeToString(code) + " saying \"" + std::string(substring) +
+               "\"") {
   *result_listener << StatusOf(arg).ToString();
   return StatusOf(arg).code() == code && std::string(StatusOf(arg).message()).find(substring) != std::string::npos;
 }

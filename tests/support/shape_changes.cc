@@ -112,7 +112,9 @@ TriangleMesh WithoutUnreferenced(const TriangleMesh& mesh) {
   return kept;
 }
 
-TriangleMesh Clipped(const TriangleMesh& mesh, const std::function<double(const Vec3&)>& f) { return Clipper(mesh, f).Run(); }
+TriangleMesh Clipped(const TriangleMesh& mesh, const std::function<double(const Vec3&)>& f) {
+  return Clipper(mesh, f).Run();
+}
 
 TriangleMesh Joined(TriangleMesh a, const TriangleMesh& b) {
   const uint32_t offset = static_cast<uint32_t>(a.positions.size());

@@ -43,7 +43,8 @@ TriangleMesh Grid(int nu, int nv, bool wrap_u, bool wrap_v, const std::function<
 // The six faces of the grid of planes x = xs[i], y = ys[j], z = zs[k].
 class BoxGrid {
  public:
-  BoxGrid(const std::vector<double>& xs, const std::vector<double>& ys, const std::vector<double>& zs) : planes_{xs, ys, zs} {
+  BoxGrid(const std::vector<double>& xs, const std::vector<double>& ys, const std::vector<double>& zs)
+      : planes_{xs, ys, zs} {
     for (int axis = 0; axis < 3; ++axis) {
       AddFace(axis, false);
       AddFace(axis, true);
@@ -95,11 +96,11 @@ std::vector<double> RimAndCore(double half, double radius, int core, int rim) {
 TriangleMesh Icosahedron() {
   const double g = (1 + std::sqrt(5.0)) / 2;
   TriangleMesh mesh;
-  mesh.positions = {{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0}, {0, -1, g}, {0, 1, g},
-                    {0, -1, -g}, {0, 1, -g}, {g, 0, -1}, {g, 0, 1}, {-g, 0, -1}, {-g, 0, 1}};
-  constexpr int kFaces[20][3] = {{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-                                 {11, 10, 2}, {10, 7, 6}, {7, 1, 8}, {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8},
-                                 {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}};
+  mesh.positions = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+                    {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
+  constexpr int kFaces[20][3] = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+                                 {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+                                 {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
   for (const auto& f : kFaces) AddTriangle(mesh, f[0], f[1], f[2]);
   return mesh;
 }
@@ -117,7 +118,8 @@ TriangleMesh Subdivided(const TriangleMesh& coarse) {
   };
   for (const Triangle& t : coarse.triangles) {
     const int ab = middle(t[0], t[1]), bc = middle(t[1], t[2]), ca = middle(t[2], t[0]);
-    const int a = static_cast<int>(t[0].index()), b = static_cast<int>(t[1].index()), c = static_cast<int>(t[2].index());
+    const int a = static_cast<int>(t[0].index()), b = static_cast<int>(t[1].index()),
+              c = static_cast<int>(t[2].index());
     AddTriangle(fine, a, ab, ca);
     AddTriangle(fine, b, bc, ab);
     AddTriangle(fine, c, ca, bc);
@@ -153,7 +155,8 @@ TriangleMesh Ellipsoid(int subdivisions, const Vec3& s) {
 TriangleMesh UvSphere(int around, int rings, double radius) {
   TriangleMesh mesh = Grid(around, rings, true, false, [&](int i, int j) {
     const double longitude = 2 * kPi * i / around, latitude = kPi * (j + 1) / (rings + 1) - kPi / 2;
-    return radius * Vec3{std::cos(latitude) * std::cos(longitude), std::cos(latitude) * std::sin(longitude), std::sin(latitude)};
+    return radius *
+           Vec3{std::cos(latitude) * std::cos(longitude), std::cos(latitude) * std::sin(longitude), std::sin(latitude)};
   });
   AddPole(mesh, {0, 0, -radius}, 0, around, false);
   AddPole(mesh, {0, 0, radius}, (rings - 1) * around, around, true);
