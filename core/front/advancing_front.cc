@@ -1,0 +1,580 @@
+// The advancing front. Beside Figure 4 and section 3 of the paper:
+//
+//   until the agenda is empty
+//     edge      ← the agenda's best edge in the working area          (Agenda)
+//     triangle  ← what would this edge make?                          (Proposer: free by two spheres, else a connection)
+//     refuse it unless it passes every test                           (Proposer and FenceIndex)
+//     emit it, and let the fronts grow, close, split or merge         (FrontSet)
+//   between areas: what lies well behind the fronts is improved, audited and sent       (SettlingWindow)
+//
+// "Every free triangle before any connection" holds inside a working area, a ball of ten edge lengths; areas follow each other in
+// the order in which their edges were born. Over the whole surface the rule would keep every vertex on a front until half of the
+// triangles exist, and nothing could settle (rejected).
+//
+// Edges without an acceptable triangle wait until everything else is done, then the ladder: the tests relaxed in named stages,
+// the loop closed by a minimum-weight triangulation, the place taken back and advanced again at finer steps, the loop closed by
+// whatever keeps the mesh manifold, and at last the place reported.
+#include "core/front/advancing_front.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <deque>
+#include <limits>
+
+#include "core/base/status_macros.h"
+#include "core/front/agenda.h"
+#include "core/front/closure.h"
+#include "core/front/fence_index.h"
+#include "core/front/front_set.h"
+#include "core/front/local_field.h"
+#include "core/front/proposer.h"
+#include "core/front/settling_window.h"
+#include "core/front/tolerances.h"
+#include "core/geometry/triangle.h"
+
+namespace meshfront {
+namespace {
+
+using namespace front_tolerances;
+
+constexpr int kStepsBetweenChecks = 64;         // of the stop flag and the clock: well under a millisecond
+constexpr size_t kMinSettleBatch = 3000;        // triangles, before the window is worth a sweep
+constexpr int kMaxLoopToTriangulate = 64;       // edges; the triangulation is cubic
+constexpr double kRollBackLength = 0.7;         // of g, where the front has to advance again
+constexpr size_t kMaxRollBacksAtAPlace = 3;
+constexpr size_t kMaxRollBacks = 2000;
+constexpr int kRollBackRings = 2;
+constexpr double kDihedralPenalty = 4.0;        // weight of a fold in a closure, against one mean squared edge
+
+struct EdgeRef {
+  FrontEdgeId edge;
+  uint32_t generation;
+};
+
+class AdvancingFront {
+ public:
+  AdvancingFront(const Surface& surface, const GuidanceField& field, const FrontOptions& options, MeshSink& sink,
+                 const Context& context)
+      : surface_(surface), field_(field), options_(options), context_(context), fences_(fronts_),
+        proposer_(surface, fronts_, fences_),
+        window_(surface, fronts_, {options.flips, options.smooth, options.fit}, sink) {}
+
+  absl::StatusOr<FrontReport> Run(const std::vector<OrientedLoop>& loops, const std::vector<SourcePoint>& seeds);
+
+ private:
+  // What the agenda needs to know of a live front edge.
+  struct EdgeState {
+    AgendaStage stage = AgendaStage::kFree;
+    bool in_area = false;
+    bool stuck = false;     // no acceptable triangle at the present strictness
+    bool abandoned = false; // reported as an open place
+    FrontEdgeId corner;     // the connection found
+    uint32_t corner_generation = 0;
+  };
+
+  WindowVertexId NewVertex(const SourcePoint& source, uint32_t origin);
+  void AddLoop(const OrientedLoop& loop);
+  void AddSeed(const SourcePoint& seed);
+  bool TrySeed(const SourcePoint& seed, double length, const Vec3& direction);
+
+  void Welcome(FrontEdgeId edge);                 // a new front edge: into the index and onto the agenda or the waiting list
+  void Schedule(FrontEdgeId edge, AgendaStage stage, double ratio);
+  void Farewell(FrontEdgeId edge);                // before it is consumed
+  void Revive(FrontEdgeId edge);                  // its surroundings changed
+  bool OpenArea();
+  bool InArea(FrontEdgeId edge) const;
+  absl::Status AdvanceArea();
+  void Step(const Agenda::Entry& entry);
+  bool TryFree(FrontEdgeId edge);
+  void SearchConnection(FrontEdgeId edge);
+  void MakeConnection(FrontEdgeId edge);
+  void Connect(FrontEdgeId edge, FrontEdgeId corner, TriangleKind kind);
+  void AfterStep(const FrontSet::Step& step);
+
+  absl::Status Settle(bool everything);
+  bool RescueStuck();                             // the next rung of the ladder; false when nothing is left to do
+  std::vector<FrontEdgeId> LoopOf(FrontEdgeId edge) const;
+  bool CloseLoop(const std::vector<FrontEdgeId>& loop, const Strictness& strictness);
+  bool RollBackLoop(const std::vector<FrontEdgeId>& loop);
+  bool RollBack(std::vector<WindowVertexId> around, int rings);
+  void Abandon(const std::vector<FrontEdgeId>& loop);
+  void ReportProgress();
+  FrontReport Summarise() const;
+
+  uint32_t NewOrigin() { return labels_.emplace_back(static_cast<uint32_t>(labels_.size())); }
+  uint32_t RootOf(uint32_t label) const {
+    while (labels_[label] != label) label = labels_[label];
+    return label;
+  }
+  EdgeState& StateOf(FrontEdgeId edge) {
+    if (states_.size() <= edge.index()) states_.resize(2 * edge.index() + 16);
+    return states_[edge.index()];
+  }
+
+  const Surface& surface_;
+  LocalField field_;
+  const FrontOptions options_;
+  const Context& context_;
+  FrontSet fronts_;
+  FenceIndex fences_;
+  Proposer proposer_;
+  SettlingWindow window_;
+  Agenda agenda_;
+  std::vector<EdgeState> states_;
+  std::deque<EdgeRef> waiting_;       // edges outside the working area, by birth
+  std::vector<EdgeRef> stuck_;
+  std::vector<FrontEdgeId> scratch_;
+  Vec3 area_center_;
+  double area_radius_ = 0;
+  size_t strictness_ = 0;
+  uint64_t steps_ = 0, steps_at_last_rescue_ = 0;
+  size_t window_after_settling_ = 0;
+  uint64_t peak_front_edges_ = 0, roll_backs_ = 0;
+  uint64_t rim_edges_ = 0, rim_loops_ = 0;
+  std::vector<uint32_t> labels_;      // union-find over the origins of the fronts: counts the components
+  std::vector<Vec3> open_places_;
+  size_t open_edges_ = 0;
+};
+
+WindowVertexId AdvancingFront::NewVertex(const SourcePoint& source, uint32_t origin) {
+  const WindowVertexId v = fronts_.AddVertex(source, field_.At(source.position), surface_.MaxCurvatureAt(source));
+  fronts_.at(v).origin = origin;
+  return v;
+}
+
+void AdvancingFront::AddLoop(const OrientedLoop& loop) {
+  std::vector<WindowVertexId> vertices;
+  const uint32_t origin = NewOrigin();
+  for (const SourcePoint& p : loop.points) vertices.push_back(NewVertex(p, origin));
+  FrontEdgeId e = fronts_.AddLoop(vertices);
+  for (size_t i = 0; i < vertices.size(); ++i, e = fronts_.at(e).next) Welcome(e);
+  ++rim_loops_;
+  rim_edges_ += vertices.size();
+}
+
+void AdvancingFront::AddSeed(const SourcePoint& seed) {
+  const Vec3 axis = std::abs(seed.normal.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  const Vec3 u = Normalized(Cross(seed.normal, axis)), v = Cross(seed.normal, u);
+  const double g = field_.At(seed.position);
+  for (double length = g; length > g / 100; length *= 0.7) {
+    for (const Vec3& direction : {u, v, -u, -v, Normalized(u + v), Normalized(u - v)}) {
+      if (TrySeed(seed, length, direction)) return;
+    }
+  }
+  open_places_.push_back(seed.position);
+}
+
+bool AdvancingFront::TrySeed(const SourcePoint& seed, double length, const Vec3& direction) {
+  SourcePoint second = surface_.Snap(seed, seed.position + length * direction);
+  for (int i = 0; i < 3; ++i) {  // to the wanted distance, over a curved surface
+    const Vec3 chord = second.position - seed.position;
+    second = surface_.Snap(second, seed.position + length * Normalized(chord));
+  }
+  const double base = Distance(seed.position, second.position);
+  if (base < 0.6 * length || base > 1.4 * length || Dot(seed.normal, second.normal) < 0.3) return false;
+  const std::optional<SourcePoint> apex = surface_.FindApex(seed, second, length, length);
+  if (!apex || Dot(apex->normal, seed.normal) < 0.3 || Dot(apex->normal, second.normal) < 0.3) return false;
+  const uint32_t origin = NewOrigin();
+  const WindowVertexId a = NewVertex(seed, origin), b = NewVertex(second, origin), c = NewVertex(*apex, origin);
+  FrontEdgeId e = fronts_.AddSeed(b, a, c);
+  ++steps_;
+  for (int i = 0; i < 3; ++i, e = fronts_.at(e).next) Welcome(e);
+  return true;
+}
+
+bool AdvancingFront::InArea(FrontEdgeId edge) const {
+  const Fence& f = fences_.at(edge);
+  return SquaredDistance(0.5 * (f.start + f.end), area_center_) <= area_radius_ * area_radius_;
+}
+
+void AdvancingFront::Schedule(FrontEdgeId edge, AgendaStage stage, double ratio) {
+  StateOf(edge).stage = stage;
+  agenda_.Push(stage, ratio, fronts_.at(edge).birth, edge);
+}
+
+void AdvancingFront::Welcome(FrontEdgeId edge) {
+  fences_.Insert(edge);
+  EdgeState& state = StateOf(edge);
+  state = {};
+  state.in_area = InArea(edge);
+  if (state.in_area) Schedule(edge, AgendaStage::kFree, proposer_.FreeRatio(edge));
+  else waiting_.push_back({edge, fronts_.at(edge).generation});
+}
+
+void AdvancingFront::Farewell(FrontEdgeId edge) {
+  fences_.Erase(edge);
+  agenda_.Cancel(edge);
+}
+
+void AdvancingFront::Revive(FrontEdgeId edge) {
+  EdgeState& state = StateOf(edge);
+  if (!state.in_area || state.stage == AgendaStage::kFree) return;
+  state.stuck = false;
+  Schedule(edge, AgendaStage::kSearch, 0);
+}
+
+// The working area moves to the edge that has waited longest, and takes in every edge around it.
+bool AdvancingFront::OpenArea() {
+  while (!waiting_.empty()) {
+    const EdgeRef ref = waiting_.front();
+    waiting_.pop_front();
+    if (!fronts_.IsAlive(ref.edge, ref.generation) || StateOf(ref.edge).abandoned || StateOf(ref.edge).stuck) continue;
+    const Fence& f = fences_.at(ref.edge);
+    area_center_ = 0.5 * (f.start + f.end);
+    area_radius_ = kAreaRadius * Distance(f.start, f.end);
+    scratch_.clear();
+    fences_.Query(area_center_, area_radius_, scratch_);
+    for (const FrontEdgeId e : scratch_) {
+      EdgeState& state = StateOf(e);
+      if (!InArea(e) || state.abandoned || state.stuck) continue;
+      state.in_area = true;
+      if (state.stage == AgendaStage::kFree) Schedule(e, AgendaStage::kFree, proposer_.FreeRatio(e));
+      else Schedule(e, AgendaStage::kSearch, 0);
+    }
+    return true;
+  }
+  return false;
+}
+
+absl::Status AdvancingFront::AdvanceArea() {
+  Agenda::Entry entry;
+  int until_check = 1;
+  while (agenda_.Pop(entry)) {
+    if (--until_check == 0) {
+      MESHFRONT_RETURN_IF_ERROR(context_.CheckStop());
+      until_check = kStepsBetweenChecks;
+    }
+    Step(entry);
+  }
+  return absl::OkStatus();
+}
+
+void AdvancingFront::Step(const Agenda::Entry& entry) {
+  switch (entry.stage) {
+    case AgendaStage::kFree:
+      if (!TryFree(entry.edge)) Schedule(entry.edge, AgendaStage::kSearch, 0);
+      break;
+    case AgendaStage::kSearch:
+      SearchConnection(entry.edge);
+      break;
+    case AgendaStage::kConnect:
+      MakeConnection(entry.edge);
+      break;
+  }
+#ifndef NDEBUG
+  if (const char* violation = fronts_.FindViolation()) std::fprintf(stderr, "front set: %s\n", violation), std::abort();
+#endif
+}
+
+bool AdvancingFront::TryFree(FrontEdgeId edge) {
+  FreeProposal proposal;
+  if (proposer_.ProposeFree(edge, proposal) != Verdict::kAccepted) return false;
+  const WindowVertexId apex = NewVertex(proposal.apex, fronts_.at(fronts_.From(edge)).origin);
+  Farewell(edge);
+  AfterStep(fronts_.Grow(edge, apex));
+  return true;
+}
+
+void AdvancingFront::SearchConnection(FrontEdgeId edge) {
+  ConnectionProposal proposal;
+  EdgeState& state = StateOf(edge);
+  if (proposer_.ProposeConnection(edge, kStrictness[strictness_], proposal) == Verdict::kAccepted) {
+    state.corner = proposal.corner;
+    state.corner_generation = fronts_.at(proposal.corner).generation;
+    Schedule(edge, AgendaStage::kConnect, proposal.score);
+  } else {
+    state.stuck = true;
+    stuck_.push_back({edge, fronts_.at(edge).generation});
+  }
+}
+
+void AdvancingFront::MakeConnection(FrontEdgeId edge) {
+  const EdgeState state = StateOf(edge);
+  if (fronts_.IsAlive(state.corner, state.corner_generation) &&
+      proposer_.CheckConnection(edge, state.corner, kStrictness[strictness_]) == Verdict::kAccepted) {
+    Connect(edge, state.corner, TriangleKind::kConnection);
+  } else {
+    Schedule(edge, AgendaStage::kSearch, 0);
+  }
+}
+
+void AdvancingFront::Connect(FrontEdgeId edge, FrontEdgeId corner, TriangleKind kind) {
+  const FrontEdgeId before = fronts_.at(edge).prev, after = fronts_.at(edge).next;
+  const bool zip_before = corner == before, zip_after = corner == fronts_.at(after).next;
+  labels_[RootOf(fronts_.at(fronts_.From(edge)).origin)] = RootOf(fronts_.at(fronts_.From(corner)).origin);
+  Farewell(edge);
+  if (zip_before) Farewell(before);
+  if (zip_after) Farewell(after);
+  if (zip_before && zip_after) kind = TriangleKind::kClosing;
+  AfterStep(fronts_.Connect(edge, corner, kind));
+}
+
+void AdvancingFront::AfterStep(const FrontSet::Step& step) {
+  ++steps_;
+  strictness_ = 0;
+  for (int i = 0; i < step.made_count; ++i) Welcome(step.made[i]);
+  for (int i = 0; i < step.made_count; ++i) {
+    Revive(fronts_.at(step.made[i]).prev);
+    Revive(fronts_.at(step.made[i]).next);
+  }
+  peak_front_edges_ = std::max<uint64_t>(peak_front_edges_, fronts_.front_edge_count());
+}
+
+std::vector<FrontEdgeId> AdvancingFront::LoopOf(FrontEdgeId edge) const {
+  std::vector<FrontEdgeId> loop;
+  FrontEdgeId e = edge;
+  do {
+    loop.push_back(e);
+    e = fronts_.at(e).next;
+  } while (e != edge);
+  return loop;
+}
+
+bool AdvancingFront::RescueStuck() {
+  std::vector<EdgeRef> stuck;
+  stuck.swap(stuck_);
+  std::erase_if(stuck, [&](const EdgeRef& r) { return !fronts_.IsAlive(r.edge, r.generation) || StateOf(r.edge).abandoned; });
+  if (stuck.empty()) return false;
+  if (steps_ != steps_at_last_rescue_) strictness_ = 0;
+  else ++strictness_;
+  steps_at_last_rescue_ = steps_;
+  if (strictness_ < kStrictness.size()) {
+    for (const EdgeRef& r : stuck) {
+      StateOf(r.edge).stuck = false;
+      waiting_.push_back(r);
+    }
+    return true;
+  }
+  // Nothing acceptable at any strictness: loop by loop.
+  strictness_ = 0;
+  for (const EdgeRef& r : stuck) {
+    if (!fronts_.IsAlive(r.edge, r.generation) || StateOf(r.edge).abandoned || !StateOf(r.edge).stuck) continue;
+    const std::vector<FrontEdgeId> loop = LoopOf(r.edge);
+    if (CloseLoop(loop, kStrictness[2]) || RollBackLoop(loop) || CloseLoop(loop, kStrictness[3])) {
+      ++steps_;
+    } else {
+      Abandon(loop);
+    }
+  }
+  for (const EdgeRef& r : stuck) {
+    if (!fronts_.IsAlive(r.edge, r.generation) || StateOf(r.edge).abandoned) continue;
+    StateOf(r.edge).stuck = false;
+    waiting_.push_back(r);
+  }
+  return true;
+}
+
+bool AdvancingFront::CloseLoop(const std::vector<FrontEdgeId>& loop, const Strictness& strictness) {
+  const int n = static_cast<int>(loop.size());
+  if (n > kMaxLoopToTriangulate) return false;
+  std::vector<WindowVertexId> v;
+  double mean_square = 0;
+  for (const FrontEdgeId e : loop) {
+    v.push_back(fronts_.From(e));
+    mean_square += SquaredDistance(fronts_.at(v.back()).position, fronts_.at(fronts_.To(e)).position) / n;
+  }
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < i; ++j) {
+      if (v[i] == v[j]) return false;  // pinched: left to the other rungs
+    }
+  }
+  const auto weight = [&](int first, int apex, int last) -> double {
+    // Loop edges run from position i to i + 1 with the open side on the right: the triangle is (last, apex, first) reversed.
+    const WindowVertex &p = fronts_.at(v[first]), &q = fronts_.at(v[apex]), &r = fronts_.at(v[last]);
+    for (const auto& [i, j] : {std::pair{first, apex}, std::pair{apex, last}, std::pair{first, last}}) {
+      const bool on_loop = j == i + 1 || (i == 0 && j == n - 1);
+      if (!on_loop && fronts_.EdgeExists(v[i], v[j])) return -1;
+    }
+    const Vec3 area = AreaVector(r.position, q.position, p.position);
+    const Vec3 normal = Normalized(area);
+    const double agreement = std::min({Dot(normal, p.source.normal), Dot(normal, q.source.normal), Dot(normal, r.source.normal)});
+    if (agreement < strictness.min_normal_cosine) return -1;
+    const double longest = std::sqrt(std::max({SquaredDistance(p.position, q.position), SquaredDistance(q.position, r.position),
+                                               SquaredDistance(r.position, p.position)}));
+    if (strictness.sheet_tolerance < 1 &&
+        !proposer_.StandsForSurface(r.source, p.source, q.source, false, false, strictness.sheet_tolerance * longest)) {
+      return -1;
+    }
+    return Norm(area) + kDihedralPenalty * mean_square * (1 - agreement);
+  };
+  const auto steps = TriangulateLoop(n, weight);
+  if (!steps) return false;
+  // A loop of three whose triangle would lie back to back with the one behind it is no closure.
+  for (const FrontEdgeId e : loop) {
+    const Link owner = fronts_.at(e).owner;
+    if (n == 3 && owner.is_half_edge()) {
+      const WindowVertexId opposite = fronts_.at(owner.triangle()).corners[(owner.side() + 2) % 3];
+      if (std::find(v.begin(), v.end(), opposite) != v.end()) return false;
+    }
+  }
+  for (const ClosureStep& s : *steps) {
+    // The base runs from v[last] to v[first] as a front edge; find it and the apex's corner on its loop.
+    FrontEdgeId base, corner;
+    for (FrontEdgeId c = fronts_.at(v[s.last]).first_corner; c.valid(); c = fronts_.at(c).next_at_vertex) {
+      if (fronts_.To(c) == v[s.first]) base = c;
+    }
+    if (!base.valid()) return true;  // cannot be: the steps come in order
+    for (FrontEdgeId e = fronts_.at(base).next; e != base; e = fronts_.at(e).next) {
+      if (fronts_.From(e) == v[s.apex]) corner = e;
+    }
+    if (!corner.valid()) return true;
+    Connect(base, corner, TriangleKind::kClosing);
+  }
+  return true;
+}
+
+bool AdvancingFront::RollBackLoop(const std::vector<FrontEdgeId>& loop) {
+  std::vector<WindowVertexId> around;
+  Vec3 middle;
+  double length = 0;
+  for (const FrontEdgeId e : loop) {
+    const WindowVertex& v = fronts_.at(fronts_.From(e));
+    middle += v.position / static_cast<double>(loop.size());
+    length += v.length / static_cast<double>(loop.size());
+    around.push_back(fronts_.From(e));
+  }
+  if (roll_backs_ >= kMaxRollBacks) return false;
+  const size_t before = field_.RefinementsNear(middle, 3 * length);
+  if (before >= kMaxRollBacksAtAPlace) return false;
+  field_.Refine(middle, kRollBackLength * field_.At(middle));
+  return RollBack(std::move(around), kRollBackRings + static_cast<int>(before));
+}
+
+// Removes the triangles within `rings` rings of the vertices, as far as they may be touched, and lets the front advance again.
+bool AdvancingFront::RollBack(std::vector<WindowVertexId> around, int rings) {
+  std::vector<bool> reached(fronts_.vertex_slots(), false), doomed(fronts_.triangle_slots(), false);
+  for (const WindowVertexId v : around) reached[v.index()] = true;
+  std::vector<WindowTriangleId> removed;
+  for (int ring = 0; ring < rings; ++ring) {
+    std::vector<WindowVertexId> next;
+    for (uint32_t i = 0; i < fronts_.triangle_slots(); ++i) {
+      const WindowTriangle& t = fronts_.at(WindowTriangleId(i));
+      if (!t.alive || doomed[i]) continue;
+      const auto is_reached = [&](WindowVertexId v) { return reached[v.index()]; };
+      const auto is_frozen = [&](WindowVertexId v) { return fronts_.at(v).frozen(); };
+      if (std::none_of(t.corners.begin(), t.corners.end(), is_reached)) continue;
+      if (std::any_of(t.corners.begin(), t.corners.end(), is_frozen)) continue;
+      doomed[i] = true;
+      removed.push_back(WindowTriangleId(i));
+      next.insert(next.end(), t.corners.begin(), t.corners.end());
+    }
+    for (const WindowVertexId v : next) reached[v.index()] = true;
+  }
+  if (removed.empty()) return false;
+  for (const WindowTriangleId t : removed) {
+    for (const Link across : fronts_.at(t).across) {
+      if (across.is_front()) Farewell(across.front());
+    }
+  }
+  const std::vector<FrontEdgeId> made = fronts_.Remove(removed);
+  if (made.empty() && fronts_.front_edge_count() == 0) return false;
+  for (const FrontEdgeId e : made) {
+    WindowVertex& from = fronts_.at(fronts_.From(e));
+    from.position = from.source.position;  // fronts stand on the surface
+    from.length = field_.At(from.position);
+  }
+  for (const FrontEdgeId e : made) {
+    StateOf(e) = {};
+    Welcome(e);
+  }
+  for (const WindowVertexId v : around) {  // edges that stayed, next to the place
+    if (!fronts_.at(v).alive) continue;
+    for (FrontEdgeId c = fronts_.at(v).first_corner; c.valid(); c = fronts_.at(c).next_at_vertex) {
+      if (!StateOf(c).abandoned) StateOf(c).stuck = false, StateOf(c).stage = AgendaStage::kFree;
+    }
+  }
+  ++roll_backs_;
+  ++steps_;
+  return true;
+}
+
+void AdvancingFront::Abandon(const std::vector<FrontEdgeId>& loop) {
+  Vec3 middle;
+  for (const FrontEdgeId e : loop) {
+    StateOf(e).abandoned = true;
+    middle += fronts_.at(fronts_.From(e)).position / static_cast<double>(loop.size());
+  }
+  open_edges_ += loop.size();
+  open_places_.push_back(middle);
+}
+
+void AdvancingFront::ReportProgress() {
+  context_.Report({Stage::kMesh, options_.predicted_triangles, window_.counts().triangles, fronts_.front_edge_count()});
+}
+
+absl::Status AdvancingFront::Settle(bool everything) {
+  const std::vector<WindowTriangleId> faulty = window_.Improve(context_);
+  bool taken_back = false;
+  for (const WindowTriangleId t : faulty) {
+    if (!fronts_.at(t).alive) continue;
+    std::vector<WindowVertexId> corners(fronts_.at(t).corners.begin(), fronts_.at(t).corners.end());
+    const WindowVertex& v = fronts_.at(corners[0]);
+    const Vec3 place = v.position;
+    const double length = v.length;
+    const size_t before = field_.RefinementsNear(place, 3 * length);
+    if (before < kMaxRollBacksAtAPlace && roll_backs_ < kMaxRollBacks) {
+      field_.Refine(place, kRollBackLength * field_.At(place));
+      if (RollBack(corners, 1 + static_cast<int>(before))) {
+        taken_back = true;
+        continue;
+      }
+    }
+    window_.GiveUp(t);
+  }
+  if (taken_back && everything) return absl::OkStatus();  // the caller advances and settles again
+  MESHFRONT_RETURN_IF_ERROR(context_.CheckStop());
+  MESHFRONT_RETURN_IF_ERROR(window_.Emit(everything));
+  window_after_settling_ = fronts_.triangle_count();
+  ReportProgress();
+  return absl::OkStatus();
+}
+
+FrontReport AdvancingFront::Summarise() const {
+  const SettledCounts& counts = window_.counts();
+  FrontReport report;
+  report.vertices = counts.vertices;
+  report.triangles = counts.triangles;
+  report.free_triangles = counts.by_kind[0];
+  report.connection_triangles = counts.by_kind[1];
+  report.closing_triangles = counts.by_kind[2];
+  report.flips = counts.flips;
+  report.peak_front_edges = peak_front_edges_;
+  report.roll_backs = roll_backs_;
+  report.longest_edge = counts.longest_edge;
+  report.quality = counts.quality.Report();
+  report.open_places = open_places_;
+  report.open_places.insert(report.open_places.end(), window_.faults().begin(), window_.faults().end());
+  for (uint32_t i = 0; i < labels_.size(); ++i) report.components += labels_[i] == i;
+  report.boundary_edges = rim_edges_ + open_edges_;
+  report.boundary_loops = rim_loops_ + open_places_.size();
+  for (int i = 0; i < kVerdicts; ++i) {
+    report.refusals.push_back({std::string(VerdictName(static_cast<Verdict>(i))), proposer_.counts()[i]});
+  }
+  return report;
+}
+
+absl::StatusOr<FrontReport> AdvancingFront::Run(const std::vector<OrientedLoop>& loops, const std::vector<SourcePoint>& seeds) {
+  for (const OrientedLoop& loop : loops) AddLoop(loop);
+  for (const SourcePoint& seed : seeds) AddSeed(seed);
+  ReportProgress();
+  do {
+    while (OpenArea() || RescueStuck()) {
+      MESHFRONT_RETURN_IF_ERROR(AdvanceArea());
+      if (fronts_.triangle_count() >= 2 * window_after_settling_ + kMinSettleBatch) MESHFRONT_RETURN_IF_ERROR(Settle(false));
+    }
+    MESHFRONT_RETURN_IF_ERROR(Settle(true));
+  } while (fronts_.triangle_count() > 0);
+  return Summarise();
+}
+
+}  // namespace
+
+absl::StatusOr<FrontReport> AdvanceFront(const Surface& surface, const GuidanceField& field,
+                                         const std::vector<OrientedLoop>& loops, const std::vector<SourcePoint>& seeds,
+                                         const FrontOptions& options, MeshSink& sink, const Context& context) {
+  AdvancingFront front(surface, field, options, sink, context);
+  return front.Run(loops, seeds);
+}
+
+}  // namespace meshfront

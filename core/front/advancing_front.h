@@ -1,0 +1,50 @@
+// The advancing front (sec. 3): grows a triangulation over a surface from initial loops and seeds until every front is closed.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/base/context.h"
+#include "core/guidance/guidance_field.h"
+#include "core/mesh/mesh_sink.h"
+#include "core/mesh/quality.h"
+#include "core/surface/oriented_loop.h"
+#include "core/surface/surface.h"
+
+namespace meshfront {
+
+struct FrontOptions {
+  bool flips = true;    // edge flips behind the front
+  bool smooth = true;   // guarded smoothing and optimisation behind the front
+  bool fit = true;      // vertices moved along the normal to fit the surface between them
+  uint64_t predicted_triangles = 0;  // for progress only
+};
+
+struct FrontReport {
+  uint64_t vertices = 0, triangles = 0;
+  uint64_t free_triangles = 0, connection_triangles = 0, closing_triangles = 0;
+  uint64_t flips = 0;
+  uint64_t peak_front_edges = 0;
+  uint64_t roll_backs = 0;           // places where the front was taken back and advanced again at finer steps
+  uint64_t components = 0;           // of the output
+  uint64_t boundary_edges = 0, boundary_loops = 0;
+  double longest_edge = 0;
+  QualityReport quality;
+  std::vector<Vec3> open_places;     // where the mesh could not be closed, or not without an intersection; empty when all is well
+  std::vector<std::pair<std::string, uint64_t>> refusals;  // by verdict
+};
+
+// Advances from `loops` (the surface on the right-hand side of their edges) and from one seed for each component without a
+// loop. Settled triangles go to `sink` in the order in which they settle. Cancelled, DeadlineExceeded, or the sink's own status
+// when it stops the job. Deterministic. Memory: the fronts and the triangles a few rings behind them.
+//
+//   MESHFRONT_ASSIGN_OR_RETURN(FrontReport report,
+//                              AdvanceFront(surface, field, loops, seeds, {}, sink, context));
+absl::StatusOr<FrontReport> AdvanceFront(const Surface& surface, const GuidanceField& field,
+                                         const std::vector<OrientedLoop>& loops, const std::vector<SourcePoint>& seeds,
+                                         const FrontOptions& options, MeshSink& sink, const Context& context);
+
+}  // namespace meshfront

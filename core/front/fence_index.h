@@ -1,0 +1,82 @@
+// Which front edges are near, and may a new edge stand among them? Fences of sec. 3.4 and Figure 4: every front edge extruded
+// by ±h along the surface normal.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/front/front_set.h"
+
+namespace meshfront {
+
+// A front edge as the tests see it.
+struct Fence {
+  FrontEdgeId edge;
+  WindowVertexId from, to;
+  Vec3 start, end;
+  Vec3 normal;        // mean of the surface normals at the ends, unit length
+  double half_height; // h
+};
+
+// A segment that is about to become an edge.
+struct NewEdge {
+  Vec3 start, end;
+  Vec3 normal;
+  double half_height;
+};
+
+// h of an edge: kFenceHeightPerError · ε(length, curvature), at least kMinFenceHeightPerLength · length.
+double FenceHalfHeight(double length, double max_curvature);
+
+// True when the new edge passes through the fence or the front edge through the new edge's own fence: seen along the mean of
+// their normals the two cross, and where they do their heights differ by at most the greater h. Symmetric, so one test serves
+// both ways. Edges on another sheet (normals opposed) do not cross.
+bool CrossesFence(const NewEdge& edge, const Fence& fence);
+// Distance from p, whose normal is `normal`, to the fence; infinite when it stands on another sheet.
+double DistanceToFence(const Vec3& p, const Vec3& normal, const Fence& fence);
+
+// Angle turned clockwise about `normal` from one direction to another, as a monotone stand-in in [0, 4): 1 for 90°, exact at
+// multiples of 45°. No library transcendental, so that it is the same in every bit everywhere.
+double ClockwiseTurn(const Vec3& normal, const Vec3& from, const Vec3& to);
+
+// A multi-level hash grid of the live front edges: level = ⌊log2 length⌋, cells of 8 such lengths, an edge in the cell of its
+// middle. Insert, erase and query cost O(1) however strongly the fronts are graded.
+class FenceIndex {
+ public:
+  explicit FenceIndex(const FrontSet& fronts);
+
+  void Insert(FrontEdgeId edge);  // reads its geometry: vertices on a front do not move
+  void Erase(FrontEdgeId edge);
+  const Fence& at(FrontEdgeId edge) const { return slots_[edge.index()].fence; }
+  // Appends the edges that may come within `radius` of `center` (all that do, and some that do not), in an order that depends on
+  // the history of inserts and erasures only.
+  void Query(const Vec3& center, double radius, std::vector<FrontEdgeId>& found) const;
+
+ private:
+  struct Slot {
+    Fence fence;
+    Vec3 middle;
+    double half_length = 0;
+    uint64_t cell = 0;
+    int level = 0;
+    uint32_t next = kNone, prev = kNone;
+    bool linked = false;
+  };
+  static constexpr uint32_t kNone = 0xffffffffu;
+  static constexpr int kLevels = 2100;  // every exponent a double has
+
+  uint64_t CellOf(int level, int64_t x, int64_t y, int64_t z) const;
+  uint32_t& Bucket(uint64_t cell) { return buckets_[cell & (buckets_.size() - 1)]; }
+  void LinkSlot(uint32_t slot);
+  void Rehash();
+
+  const FrontSet* fronts_;
+  std::vector<Slot> slots_;
+  std::vector<uint32_t> buckets_;
+  std::vector<uint32_t> level_count_;
+  std::vector<int> levels_in_use_;
+  size_t count_ = 0;
+};
+
+}  // namespace meshfront

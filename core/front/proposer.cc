@@ -1,0 +1,283 @@
+// Proposer. A candidate passes the tests in order of their cost; the first refusal is its verdict:
+//   CheckShape     lengths, normals, side of the base
+//   CheckSectors   the new sides leave each corner into its open side
+//   EdgeExists     no edge and no face twice
+//   CheckFences    crossings both ways, front vertices inside or too near
+//   StandsForSurface
+// Rejected: taking the nearest legal vertex, as the prototype does; the smallest angle *including the corners left behind*
+// decides instead, because a corner of 10° left behind is the next sliver.
+#include "core/front/proposer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/front/tolerances.h"
+#include "core/geometry/triangle.h"
+
+namespace meshfront {
+namespace {
+
+using namespace front_tolerances;
+
+constexpr double kFreeMinNormalCosine = 0.5;
+constexpr double kMinRadiusPerBase = 0.7, kMaxRadiusPerBase = 1.6;  // free sides against a base that is too long or too short
+constexpr double kSixtyDegrees = 0.6339745962155614;  // ClockwiseTurn of 60°
+constexpr double kSameSheetResidual = 1e-3;           // in parts of the side: a descent that arrives is exact
+
+double SegmentDistance(const Vec3& p, const Vec3& a, const Vec3& b) {
+  const Vec3 d = b - a;
+  const double n = SquaredNorm(d);
+  const double t = n > 0 ? std::clamp(Dot(p - a, d) / n, 0.0, 1.0) : 0.0;
+  return Distance(p, a + t * d);
+}
+
+// Strictly inside the triangle when seen along its normal `m` (any length).
+bool ProjectsInside(const Vec3& p, const Vec3& m, const Vec3& a, const Vec3& b, const Vec3& c) {
+  return Dot(m, Cross(b - a, p - a)) > 0 && Dot(m, Cross(c - b, p - b)) > 0 && Dot(m, Cross(a - c, p - c)) > 0;
+}
+
+}  // namespace
+
+std::string_view VerdictName(Verdict verdict) {
+  static constexpr std::array<std::string_view, kVerdicts> kNames = {
+      "accepted",  "no_apex",       "outside_sector",  "edge_exists", "normals_disagree",
+      "too_close", "crosses_fence", "contains_vertex", "too_long",    "off_sheet"};
+  return kNames[static_cast<int>(verdict)];
+}
+
+Verdict Proposer::Judge(Verdict verdict) {
+  ++counts_[static_cast<int>(verdict)];
+  return verdict;
+}
+
+void Proposer::Gather(const Vec3& center, double radius) {
+  near_.clear();
+  fences_.Query(center, radius, near_);
+}
+
+double Proposer::FreeRatio(FrontEdgeId edge) const {
+  const WindowVertex &a = fronts_.at(fronts_.From(edge)), &b = fronts_.at(fronts_.To(edge));
+  return RadiusRatioOfSides(Distance(a.position, b.position), a.length, b.length);
+}
+
+Verdict Proposer::ProposeFree(FrontEdgeId edge, FreeProposal& proposal) {
+  const WindowVertex &a = fronts_.at(fronts_.From(edge)), &b = fronts_.at(fronts_.To(edge));
+  const double base = Distance(a.position, b.position);
+  const double radius_a = std::clamp(a.length, kMinRadiusPerBase * base, kMaxRadiusPerBase * base);
+  const double radius_b = std::clamp(b.length, kMinRadiusPerBase * base, kMaxRadiusPerBase * base);
+  const std::optional<SourcePoint> apex = surface_.FindApex(a.source, b.source, radius_a, radius_b);
+  if (!apex) return Judge(Verdict::kNoApex);
+  const double step = 0.5 * (radius_a + radius_b);
+  Gather(apex->position, 1.05 * std::max(radius_a, radius_b));
+  proposal.apex = *apex;
+  return Judge(CheckFree(edge, *apex, step));
+}
+
+Verdict Proposer::CheckFree(FrontEdgeId edge, const SourcePoint& apex, double step) const {
+  const WindowVertexId ia = fronts_.From(edge), ib = fronts_.To(edge);
+  const WindowVertex &a = fronts_.at(ia), &b = fronts_.at(ib);
+  const Vec3 normal = Normalized(AreaVector(b.position, a.position, apex.position));
+  if (std::min({Dot(normal, a.source.normal), Dot(normal, b.source.normal), Dot(normal, apex.normal)}) < kFreeMinNormalCosine) {
+    return Verdict::kNormalsDisagree;
+  }
+  const Vec3 base = b.position - a.position;
+  const Vec3 before = fronts_.at(fronts_.From(fronts_.at(edge).prev)).position - a.position;
+  const Vec3 after = fronts_.at(fronts_.To(fronts_.at(edge).next)).position - b.position;
+  const double open_a = ClockwiseTurn(a.source.normal, base, before), open_b = ClockwiseTurn(b.source.normal, after, -base);
+  if (open_a > 0 && ClockwiseTurn(a.source.normal, base, apex.position - a.position) >= open_a) return Verdict::kOutsideSector;
+  if (open_b > 0 && ClockwiseTurn(b.source.normal, after, apex.position - b.position) >= open_b) return Verdict::kOutsideSector;
+  const double clearance = kFreeClearance * step;
+  const double height_a = FenceHalfHeight(Distance(a.position, apex.position), a.max_curvature);
+  const double height_b = FenceHalfHeight(Distance(b.position, apex.position), b.max_curvature);
+  const NewEdge side_a{a.position, apex.position, Normalized(a.source.normal + apex.normal), height_a};
+  const NewEdge side_b{b.position, apex.position, Normalized(b.source.normal + apex.normal), height_b};
+  for (const FrontEdgeId f : near_) {
+    if (f == edge) continue;
+    const Fence& fence = fences_.at(f);
+    if (DistanceToFence(apex.position, apex.normal, fence) < clearance) return Verdict::kTooClose;
+    if (fence.from != ia && fence.to != ia && CrossesFence(side_a, fence)) return Verdict::kCrossesFence;
+    if (fence.from != ib && fence.to != ib && CrossesFence(side_b, fence)) return Verdict::kCrossesFence;
+    if (fence.from == ia || fence.from == ib || Dot(fence.normal, normal) < kOtherSheetCosine) continue;
+    if (SegmentDistance(fence.start, a.position, apex.position) < clearance ||
+        SegmentDistance(fence.start, b.position, apex.position) < clearance) {
+      return Verdict::kTooClose;
+    }
+  }
+  return Verdict::kAccepted;
+}
+
+// A connection candidate with everything its tests need.
+struct Proposer::Candidate {
+  FrontEdgeId edge, corner;
+  WindowVertexId ia, ib, ic;
+  const WindowVertex *a, *b, *c;
+  bool zip_before, zip_after;  // the side a–c or c–b is a front edge already
+  double side_ab, side_ac, side_cb;
+  Vec3 normal;                 // of the triangle (b, a, c), unit length
+  double optimistic = 0;       // smallest angle of the triangle alone
+  double score = 0;            // and of the corners left behind
+};
+
+void Proposer::Describe(FrontEdgeId edge, FrontEdgeId corner, Candidate& c) const {
+  c.edge = edge, c.corner = corner;
+  c.ia = fronts_.From(edge), c.ib = fronts_.To(edge), c.ic = fronts_.From(corner);
+  c.a = &fronts_.at(c.ia), c.b = &fronts_.at(c.ib), c.c = &fronts_.at(c.ic);
+  c.zip_before = corner == fronts_.at(edge).prev;
+  c.zip_after = corner == fronts_.at(fronts_.at(edge).next).next;
+  const Vec3 ab = c.b->position - c.a->position, ac = c.c->position - c.a->position, cb = c.b->position - c.c->position;
+  c.side_ab = Norm(ab), c.side_ac = Norm(ac), c.side_cb = Norm(cb);
+  c.normal = Normalized(Cross(ac, ab));
+  c.optimistic = std::min({ClockwiseTurn(c.normal, ab, ac), ClockwiseTurn(c.normal, cb, ab), ClockwiseTurn(c.normal, -ac, cb)});
+}
+
+Verdict Proposer::CheckShape(const Candidate& c, const Strictness& s) const {
+  if (c.normal == Vec3{}) return Verdict::kNormalsDisagree;
+  if (std::min({Dot(c.normal, c.a->source.normal), Dot(c.normal, c.b->source.normal), Dot(c.normal, c.c->source.normal)}) <
+      s.min_normal_cosine) {
+    return Verdict::kNormalsDisagree;
+  }
+  const double limit = s.max_side * kMaxSidePerGuidance;
+  if (!c.zip_before && c.side_ac > limit * std::max({c.a->length, c.c->length, 0.5 * c.side_ab})) return Verdict::kTooLong;
+  if (!c.zip_after && c.side_cb > limit * std::max({c.b->length, c.c->length, 0.5 * c.side_ab})) return Verdict::kTooLong;
+  return Verdict::kAccepted;
+}
+
+// Each corner's open side runs clockwise from the edge that leaves it to the one that comes in. Also computes the score.
+Verdict Proposer::CheckSectors(Candidate& c) const {
+  const auto place = [this](WindowVertexId v) { return fronts_.at(v).position; };
+  const Vec3 ab = c.b->position - c.a->position, ac = c.c->position - c.a->position, cb = c.b->position - c.c->position;
+  c.score = std::min(kSixtyDegrees, c.optimistic);
+  if (c.zip_before && c.zip_after) return Verdict::kAccepted;
+  const auto whole = [](double turn) { return turn > 0 ? turn : 4.0; };
+  if (!c.zip_before) {
+    const Vec3 before = place(fronts_.From(fronts_.at(c.edge).prev)) - c.a->position;
+    const double open = whole(ClockwiseTurn(c.a->source.normal, ab, before));
+    const double turn = ClockwiseTurn(c.a->source.normal, ab, ac);
+    if (turn <= 0 || turn >= open) return Verdict::kOutsideSector;
+    c.score = std::min(c.score, open - turn);
+  }
+  if (!c.zip_after) {
+    const Vec3 after = place(fronts_.To(fronts_.at(c.edge).next)) - c.b->position;
+    const double open = whole(ClockwiseTurn(c.b->source.normal, after, -ab));
+    const double turn = ClockwiseTurn(c.b->source.normal, after, -cb);
+    if (turn <= 0 || turn >= open) return Verdict::kOutsideSector;
+    c.score = std::min(c.score, turn);
+  }
+  const Vec3 leave = place(fronts_.To(c.corner)) - c.c->position;
+  const Vec3 come = place(fronts_.From(fronts_.at(c.corner).prev)) - c.c->position;
+  const double open = whole(ClockwiseTurn(c.c->source.normal, leave, come));
+  const double turn_a = c.zip_before ? 0 : ClockwiseTurn(c.c->source.normal, leave, -ac);
+  const double turn_b = c.zip_after ? open : ClockwiseTurn(c.c->source.normal, leave, cb);
+  if (turn_a >= turn_b || turn_b > open) return Verdict::kOutsideSector;
+  if (!c.zip_before && turn_a <= 0) return Verdict::kOutsideSector;
+  if (!c.zip_after && turn_b >= open) return Verdict::kOutsideSector;
+  if (!c.zip_before) c.score = std::min(c.score, turn_a);
+  if (!c.zip_after) c.score = std::min(c.score, open - turn_b);
+  return Verdict::kAccepted;
+}
+
+Verdict Proposer::CheckFences(const Candidate& c, const Strictness& s) const {
+  const double height_a = FenceHalfHeight(c.side_ac, std::max(c.a->max_curvature, c.c->max_curvature));
+  const double height_b = FenceHalfHeight(c.side_cb, std::max(c.b->max_curvature, c.c->max_curvature));
+  const NewEdge side_a{c.a->position, c.c->position, Normalized(c.a->source.normal + c.c->source.normal), height_a};
+  const NewEdge side_b{c.b->position, c.c->position, Normalized(c.b->source.normal + c.c->source.normal), height_b};
+  const double height = std::max({height_a, height_b, kMinFenceHeightPerLength * c.side_ab});
+  const double clearance_a = s.clearance * std::min(c.side_ac, std::max(c.a->length, c.c->length));
+  const double clearance_b = s.clearance * std::min(c.side_cb, std::max(c.b->length, c.c->length));
+  const auto touches = [](const Fence& f, WindowVertexId u, WindowVertexId v) {
+    return f.from == u || f.to == u || f.from == v || f.to == v;
+  };
+  for (const FrontEdgeId id : near_) {
+    if (id == c.edge) continue;
+    const Fence& f = fences_.at(id);
+    if (!c.zip_before && !touches(f, c.ia, c.ic) && CrossesFence(side_a, f)) return Verdict::kCrossesFence;
+    if (!c.zip_after && !touches(f, c.ib, c.ic) && CrossesFence(side_b, f)) return Verdict::kCrossesFence;
+    if (f.from == c.ia || f.from == c.ib || f.from == c.ic) continue;
+    if (Dot(f.normal, c.normal) < kOtherSheetCosine) continue;
+    const double off = std::abs(Dot(c.normal, f.start - c.a->position));
+    if (off <= height && ProjectsInside(f.start, c.normal, c.b->position, c.a->position, c.c->position)) {
+      return Verdict::kContainsVertex;
+    }
+    if (!c.zip_before && SegmentDistance(f.start, c.a->position, c.c->position) < clearance_a) return Verdict::kTooClose;
+    if (!c.zip_after && SegmentDistance(f.start, c.b->position, c.c->position) < clearance_b) return Verdict::kTooClose;
+  }
+  return Verdict::kAccepted;
+}
+
+bool Proposer::StandsForSurface(const SourcePoint& a, const SourcePoint& b, const SourcePoint& apex, bool new_side_a,
+                                bool new_side_b, double tolerance) const {
+  const auto side = [&](const SourcePoint& from, const SourcePoint& to) {
+    const Vec3 middle = 0.5 * (from.position + to.position);
+    const SourcePoint x = surface_.Snap(from, middle);
+    if (Distance(x.position, middle) > tolerance) return false;
+    const double length = Distance(from.position, to.position);
+    return Distance(surface_.Snap(x, to.position).position, to.position) <= kSameSheetResidual * length;
+  };
+  if (new_side_a && !side(a, apex)) return false;
+  if (new_side_b && !side(b, apex)) return false;
+  const Vec3 centroid = (a.position + b.position + apex.position) / 3.0;
+  const SourcePoint x = surface_.Snap(a, centroid);
+  if (Distance(x.position, centroid) > tolerance) return false;
+  return Dot(x.normal, AreaVector(b.position, a.position, apex.position)) > 0;
+}
+
+Verdict Proposer::CheckAll(Candidate& c, const Strictness& s) const {
+  if (c.ic == c.ia || c.ic == c.ib) return Verdict::kEdgeExists;
+  if (const Verdict v = CheckShape(c, s); v != Verdict::kAccepted) return v;
+  if (const Verdict v = CheckSectors(c); v != Verdict::kAccepted) return v;
+  const Link owner = fronts_.at(c.edge).owner;
+  if (owner.is_half_edge() && fronts_.at(owner.triangle()).corners[(owner.side() + 2) % 3] == c.ic) return Verdict::kEdgeExists;
+  if (!c.zip_before && fronts_.EdgeExists(c.ia, c.ic)) return Verdict::kEdgeExists;
+  if (!c.zip_after && fronts_.EdgeExists(c.ib, c.ic)) return Verdict::kEdgeExists;
+  if (const Verdict v = CheckFences(c, s); v != Verdict::kAccepted) return v;
+  const double longest = std::max({c.side_ab, c.side_ac, c.side_cb});
+  if (!StandsForSurface(c.a->source, c.b->source, c.c->source, !c.zip_before, !c.zip_after, s.sheet_tolerance * longest)) {
+    return Verdict::kOffSheet;
+  }
+  return Verdict::kAccepted;
+}
+
+double Proposer::SearchRadius(FrontEdgeId edge, const Strictness& s) const {
+  const WindowVertex &a = fronts_.at(fronts_.From(edge)), &b = fronts_.at(fronts_.To(edge));
+  const double length = std::max({Distance(a.position, b.position), a.length, b.length});
+  return s.range * kSearchRange * length;
+}
+
+Verdict Proposer::CheckConnection(FrontEdgeId edge, FrontEdgeId corner, const Strictness& strictness) {
+  Candidate c;
+  Describe(edge, corner, c);
+  const Vec3 middle = 0.5 * (c.a->position + c.b->position);
+  Gather(middle, SearchRadius(edge, strictness));
+  return CheckAll(c, strictness);
+}
+
+Verdict Proposer::ProposeConnection(FrontEdgeId edge, const Strictness& strictness, ConnectionProposal& proposal) {
+  const Vec3 a = fronts_.at(fronts_.From(edge)).position, b = fronts_.at(fronts_.To(edge)).position;
+  const Vec3 middle = 0.5 * (a + b);
+  const double radius = SearchRadius(edge, strictness);
+  Gather(middle, radius);
+  std::vector<Candidate> candidates;
+  Verdict last = Verdict::kTooLong;
+  for (const FrontEdgeId corner : near_) {
+    if (SquaredDistance(fences_.at(corner).start, middle) > radius * radius) continue;
+    Candidate c;
+    Describe(edge, corner, c);
+    if (c.ic == c.ia || c.ic == c.ib) continue;
+    last = CheckShape(c, strictness);
+    if (last != Verdict::kAccepted) ++counts_[static_cast<int>(last)];
+    else candidates.push_back(c);
+  }
+  std::sort(candidates.begin(), candidates.end(), [](const Candidate& x, const Candidate& y) {
+    return x.optimistic != y.optimistic ? x.optimistic > y.optimistic : x.corner < y.corner;
+  });
+  proposal = {};
+  for (Candidate& c : candidates) {
+    if (std::min(c.optimistic, kSixtyDegrees) <= proposal.score) break;
+    last = Judge(CheckAll(c, strictness));
+    if (last == Verdict::kAccepted && c.score > proposal.score) proposal = {c.corner, c.score};
+  }
+  return proposal.corner.valid() ? Verdict::kAccepted : last;
+}
+
+}  // namespace meshfront

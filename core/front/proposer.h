@@ -1,0 +1,91 @@
+// What triangle would this edge make, and may it? Placement of free triangles by two spheres (sec. 3.2), choice of the
+// connection vertex, and the acceptance tests, each with its own verdict.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "core/front/fence_index.h"
+#include "core/front/front_set.h"
+#include "core/front/local_field.h"
+
+namespace meshfront {
+
+// Why a candidate was refused; the report counts them.
+enum class Verdict : uint8_t {
+  kAccepted,
+  kNoApex,            // the spheres do not meet the surface on the open side
+  kOutsideSector,     // leaves the open side at one of its corners
+  kEdgeExists,        // an edge or the face exists already
+  kNormalsDisagree,   // the triangle's normal against the surface's at its corners
+  kTooClose,          // a front vertex or fence is nearer than the clearance
+  kCrossesFence,
+  kContainsVertex,    // a front vertex lies inside
+  kTooLong,
+  kOffSheet,          // does not stand for the surface: its sides or middle lie off the sheet
+};
+inline constexpr int kVerdicts = 10;
+std::string_view VerdictName(Verdict verdict);
+
+// How strict the acceptance tests are. The closing ladder relaxes them in named stages.
+struct Strictness {
+  std::string_view name;
+  double min_normal_cosine;  // triangle against surface
+  double clearance;          // of front vertices from new edges, in parts of the shorter of edge and g
+  double range;              // search radius in multiples of kSearchRange
+  double max_side;           // in multiples of kMaxSidePerGuidance · g
+  double sheet_tolerance;    // distance of midpoints and centroid from the sheet, in parts of the longest side
+};
+inline constexpr std::array<Strictness, 4> kStrictness = {{{"strict", 0.5, 0.2, 1.0, 1.0, 0.35},
+                                                           {"wide", 0.35, 0.1, 1.5, 1.5, 0.45},
+                                                           {"tolerant", 0.15, 0.02, 2.0, 2.0, 0.6},
+                                                           {"any", -0.2, 0.0, 3.0, 4.0, 1.0}}};
+
+struct FreeProposal {
+  SourcePoint apex;
+};
+struct ConnectionProposal {
+  FrontEdgeId corner;
+  double score = -1;  // smallest of the angles of the triangle and of the corners left behind
+};
+
+// Looks, never touches. Not thread-safe (scratch).
+class Proposer {
+ public:
+  Proposer(const Surface& surface, const FrontSet& fronts, const FenceIndex& fences)
+      : surface_(surface), fronts_(fronts), fences_(fences) {}
+
+  // Radius ratio of the free triangle that `edge` would make, from lengths alone; 0 when there is none.
+  double FreeRatio(FrontEdgeId edge) const;
+  Verdict ProposeFree(FrontEdgeId edge, FreeProposal& proposal);
+  // The best connection by score; kAccepted or the verdict of the last candidate refused.
+  Verdict ProposeConnection(FrontEdgeId edge, const Strictness& strictness, ConnectionProposal& proposal);
+  Verdict CheckConnection(FrontEdgeId edge, FrontEdgeId corner, const Strictness& strictness);
+
+  // Test 4: the sides that are new and the middle of the triangle lie within `tolerance` of the surface, on the same sheet.
+  bool StandsForSurface(const SourcePoint& a, const SourcePoint& b, const SourcePoint& apex, bool new_side_a, bool new_side_b,
+                        double tolerance) const;
+  const std::array<uint64_t, kVerdicts>& counts() const { return counts_; }
+
+ private:
+  struct Candidate;
+  void Gather(const Vec3& center, double radius);
+  Verdict Judge(Verdict verdict);
+  Verdict CheckFree(FrontEdgeId edge, const SourcePoint& apex, double step) const;
+  void Describe(FrontEdgeId edge, FrontEdgeId corner, Candidate& candidate) const;
+  Verdict CheckShape(const Candidate& c, const Strictness& strictness) const;
+  Verdict CheckSectors(Candidate& c) const;
+  Verdict CheckFences(const Candidate& c, const Strictness& strictness) const;
+  Verdict CheckAll(Candidate& c, const Strictness& strictness) const;
+  double SearchRadius(FrontEdgeId edge, const Strictness& strictness) const;
+
+  const Surface& surface_;
+  const FrontSet& fronts_;
+  const FenceIndex& fences_;
+  std::vector<FrontEdgeId> near_;
+  std::array<uint64_t, kVerdicts> counts_{};
+};
+
+}  // namespace meshfront

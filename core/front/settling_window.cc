@@ -1,0 +1,293 @@
+// Settling. In the window, a few rings behind every front, in this order (engine sec. 11 measured each):
+//   FlipSweep    edges that raise the smaller of the two smallest angles
+//   SmoothSweep  each vertex to the average of its triangles' centroids weighted by area / (opposite edge)², in the tangent
+//                plane, back on the surface, kept only if the worst angle around it does not fall
+//   SearchSweep  pattern search on the worst radius ratio around a vertex, where it is poor
+//   FitSweep     each vertex along its normal, by least squares of the signed deviations around it
+//   Audit        pairs of triangles that intersect are sent back to the front
+// Rejected: improving the whole mesh after the last triangle, which would hold the output and stream nothing; the window shows
+// the same gain, because every operation reaches one ring only.
+#include "core/front/settling_window.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/geometry/bvh.h"
+#include "core/geometry/intersection.h"
+#include "core/geometry/triangle.h"
+
+namespace meshfront {
+namespace {
+
+constexpr uint32_t kFar = 0xffffu;
+constexpr double kMinFlipNormalCosine = 0.5;   // new triangles against the surface normals at their corners
+constexpr double kMinFlipGain = 1.02;          // the smaller sine must grow by this factor: no ping-pong
+constexpr double kMinMoveNormalCosine = 0.3;
+constexpr double kSearchBelow = 0.85;          // radius ratio under which a vertex is worth a search
+constexpr double kSearchSteps[] = {0.2, 0.1, 0.05};  // in parts of the mean spoke
+constexpr int kImproveSweeps = 2, kSearchSweeps = 2, kFitSweeps = 2;
+constexpr double kMaxFitPerLength = 0.15;      // the fit moves a vertex by at most this part of its mean spoke
+constexpr double kFitMayLoseQuality = 0.97;
+
+// Sine of the smallest angle: twice the area over the product of the two longest sides.
+double MinSine(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const double ab = SquaredDistance(a, b), bc = SquaredDistance(b, c), ca = SquaredDistance(c, a);
+  const double product = ab * bc * ca / std::min({ab, bc, ca});
+  return product > 0 ? Norm(AreaVector(a, b, c)) / std::sqrt(product) : 0;
+}
+
+double NormalAgreement(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& na, const Vec3& nb, const Vec3& nc) {
+  const Vec3 n = Normalized(AreaVector(a, b, c));
+  return std::min({Dot(n, na), Dot(n, nb), Dot(n, nc)});
+}
+
+}  // namespace
+
+// Rings to the nearest front vertex, up to kEmitDepth; kFar beyond.
+void SettlingWindow::MeasureDepth() {
+  for (uint32_t i = 0; i < fronts_.vertex_slots(); ++i) {
+    WindowVertex& v = fronts_.at(WindowVertexId(i));
+    v.depth = v.on_front() ? 0 : kFar;
+  }
+  for (uint32_t depth = 1; depth < kEmitDepth; ++depth) {
+    for (uint32_t i = 0; i < fronts_.triangle_slots(); ++i) {
+      const WindowTriangle& t = fronts_.at(WindowTriangleId(i));
+      if (!t.alive) continue;
+      uint32_t least = kFar;
+      for (const WindowVertexId v : t.corners) least = std::min(least, fronts_.at(v).depth);
+      if (least + 1 != depth) continue;
+      for (const WindowVertexId v : t.corners) fronts_.at(v).depth = std::min(fronts_.at(v).depth, depth);
+    }
+  }
+}
+
+bool SettlingWindow::IsMovable(const WindowVertex& v) const {
+  return v.alive && !v.on_rim && !v.frozen() && v.depth >= kMoveDepth;
+}
+
+bool SettlingWindow::TryFlip(Link h) {
+  const WindowTriangle &s = fronts_.at(h.triangle());
+  const Link g = s.across[h.side()];
+  if (!g.is_half_edge() || g.triangle() < h.triangle()) return false;
+  const WindowTriangle& t = fronts_.at(g.triangle());
+  const WindowVertexId ia = s.corners[h.side()], ib = s.corners[(h.side() + 1) % 3];
+  const WindowVertexId ic = s.corners[(h.side() + 2) % 3], id = t.corners[(g.side() + 2) % 3];
+  const WindowVertex &a = fronts_.at(ia), &b = fronts_.at(ib), &c = fronts_.at(ic), &d = fronts_.at(id);
+  if (std::min({a.depth, b.depth, c.depth, d.depth}) + 1 < kMoveDepth) return false;
+  const double before = std::min(MinSine(a.position, b.position, c.position), MinSine(b.position, a.position, d.position));
+  const double after = std::min(MinSine(c.position, d.position, b.position), MinSine(d.position, c.position, a.position));
+  if (after <= kMinFlipGain * before) return false;
+  const auto agreement = [](const WindowVertex& p, const WindowVertex& q, const WindowVertex& r) {
+    return NormalAgreement(p.position, q.position, r.position, p.source.normal, q.source.normal, r.source.normal);
+  };
+  const double old_agreement = std::min(agreement(a, b, c), agreement(b, a, d));
+  const double new_agreement = std::min(agreement(c, d, b), agreement(d, c, a));
+  if (new_agreement < std::min(kMinFlipNormalCosine, old_agreement)) return false;
+  if (fronts_.EdgeExists(ic, id)) return false;
+  fronts_.Flip(h);
+  return true;
+}
+
+void SettlingWindow::FlipSweep() {
+  for (uint32_t i = 0; i < fronts_.triangle_slots(); ++i) {
+    for (int side = 0; side < 3; ++side) {
+      if (!fronts_.at(WindowTriangleId(i)).alive) break;
+      if (TryFlip(Link::HalfEdge(WindowTriangleId(i), side))) ++counts_.flips;
+    }
+  }
+}
+
+bool SettlingWindow::GatherRing(WindowVertexId v) {
+  ring_.clear();
+  return fronts_.VisitFan(v, [&](WindowTriangleId t, int corner) {
+    const WindowTriangle& triangle = fronts_.at(t);
+    ring_.push_back({fronts_.at(triangle.corners[(corner + 1) % 3]).position,
+                     fronts_.at(triangle.corners[(corner + 2) % 3]).position});
+  });
+}
+
+// The least `measure` of the triangles around a vertex at `place`, or −1 when one of them turns against the normal.
+double SettlingWindow::WorstAround(const Vec3& place, const Vec3& normal,
+                                   double (*measure)(const Vec3&, const Vec3&, const Vec3&)) const {
+  double worst = std::numeric_limits<double>::infinity();
+  for (const Spoke& s : ring_) {
+    const Vec3 area = AreaVector(place, s.from, s.to);
+    if (Dot(area, normal) < kMinMoveNormalCosine * Norm(area)) return -1;
+    worst = std::min(worst, measure(place, s.from, s.to));
+  }
+  return worst;
+}
+
+// Moves the vertex to the surface next to `target` if the worst measure around it does not fall below `worst` (updated).
+bool SettlingWindow::TryMove(WindowVertexId id, const Vec3& target, double (*measure)(const Vec3&, const Vec3&, const Vec3&),
+                             double& worst) {
+  WindowVertex& v = fronts_.at(id);
+  const SourcePoint moved = surface_.Snap(v.source, target);
+  const double after = WorstAround(moved.position, moved.normal, measure);
+  if (after < worst || after < 0) return false;
+  worst = after;
+  v.source = moved;
+  v.position = moved.position;
+  return true;
+}
+
+void SettlingWindow::SmoothSweep() {
+  for (uint32_t i = 0; i < fronts_.vertex_slots(); ++i) {
+    const WindowVertexId id(i);
+    WindowVertex& v = fronts_.at(id);
+    if (!IsMovable(v) || !GatherRing(id)) continue;
+    Vec3 sum;
+    double weights = 0;
+    for (const Spoke& s : ring_) {
+      const double opposite = SquaredDistance(s.from, s.to);
+      if (opposite <= 0) continue;
+      const double w = Norm(AreaVector(v.position, s.from, s.to)) / opposite;
+      sum += w / 3 * (v.position + s.from + s.to);
+      weights += w;
+    }
+    if (weights <= 0) continue;
+    const Vec3 offset = sum / weights - v.position;
+    double worst = WorstAround(v.position, v.source.normal, MinSine);
+    TryMove(id, v.position + offset - Dot(offset, v.source.normal) * v.source.normal, MinSine, worst);
+  }
+}
+
+void SettlingWindow::SearchSweep() {
+  for (uint32_t i = 0; i < fronts_.vertex_slots(); ++i) {
+    const WindowVertexId id(i);
+    WindowVertex& v = fronts_.at(id);
+    if (!IsMovable(v) || !GatherRing(id)) continue;
+    double worst = WorstAround(v.position, v.source.normal, RadiusRatio);
+    if (worst >= kSearchBelow) continue;
+    double spoke = 0;
+    for (const Spoke& s : ring_) spoke += Distance(v.position, s.from) / static_cast<double>(ring_.size());
+    for (const double step : kSearchSteps) {
+      const Vec3 n = v.source.normal;
+      const Vec3 u = Normalized(Cross(n, std::abs(n.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0})), w = Cross(n, u);
+      const Vec3 start = v.position;
+      Vec3 best = start;
+      double best_worst = worst;
+      for (const auto& [x, y] : {std::pair{1.0, 0.0}, {0.5, 0.866}, {-0.5, 0.866}, {-1.0, 0.0}, {-0.5, -0.866}, {0.5, -0.866}}) {
+        const Vec3 target = start + step * spoke * (x * u + y * w);
+        const double trial = WorstAround(target, n, RadiusRatio);
+        if (trial > best_worst) best = target, best_worst = trial;
+      }
+      if (best_worst > worst) TryMove(id, best, RadiusRatio, worst);
+    }
+  }
+}
+
+// The shift along the normal that makes the surface's signed deviations from the triangles around least in the mean square, by a
+// seven-point rule on each triangle (vertices 1/20, edge middles 2/15, centroid 9/20 of its area).
+void SettlingWindow::FitVertex(WindowVertexId id) {
+  WindowVertex& v = fronts_.at(id);
+  const Vec3 n = v.source.normal;
+  double numerator = 0, denominator = 0, spoke = 0, total_area = 0;
+  const auto sample = [&](const Vec3& place, double weight, double share) {
+    const SourcePoint x = surface_.Snap(v.source, place);
+    numerator += weight * share * Dot(x.position - place, n);
+    denominator += weight * share * share;
+  };
+  for (const Spoke& s : ring_) {
+    const double area = 0.5 * Norm(AreaVector(v.position, s.from, s.to));
+    total_area += area;
+    spoke += Distance(v.position, s.from) / static_cast<double>(ring_.size());
+    sample((v.position + s.from + s.to) / 3.0, 0.45 * area, 1.0 / 3);
+    sample(0.5 * (v.position + s.from), 2 * area * (2.0 / 15), 0.5);
+  }
+  numerator += 0.05 * total_area * Dot(v.source.position - v.position, n);
+  denominator += 0.05 * total_area;
+  if (!(denominator > 0)) return;
+  const double offset = Dot(v.position - v.source.position, n) + numerator / denominator;
+  const double limit = kMaxFitPerLength * spoke;
+  const Vec3 target = v.source.position + std::clamp(offset, -limit, limit) * n;
+  const double before = WorstAround(v.position, n, RadiusRatio), after = WorstAround(target, n, RadiusRatio);
+  if (after >= kFitMayLoseQuality * before && after >= 0) v.position = target;
+}
+
+void SettlingWindow::FitSweep() {
+  for (uint32_t i = 0; i < fronts_.vertex_slots(); ++i) {
+    const WindowVertexId id(i);
+    if (IsMovable(fronts_.at(id)) && GatherRing(id)) FitVertex(id);
+  }
+}
+
+std::vector<WindowTriangleId> SettlingWindow::Improve(const Context& context) {
+  MeasureDepth();
+  const auto stopped = [&] { return !context.CheckStop().ok(); };
+  for (int sweep = 0; sweep < kImproveSweeps && !stopped(); ++sweep) {
+    if (options_.flips) FlipSweep();
+    if (options_.smooth) SmoothSweep();
+  }
+  for (int sweep = 0; sweep < kSearchSweeps && options_.smooth && !stopped(); ++sweep) {
+    if (options_.flips) FlipSweep();
+    SearchSweep();
+  }
+  for (int sweep = 0; sweep < kFitSweeps && options_.fit && !stopped(); ++sweep) FitSweep();
+  return stopped() ? std::vector<WindowTriangleId>() : Audit();
+}
+
+std::vector<std::pair<WindowTriangleId, WindowTriangleId>> SettlingWindow::FindIntersections() const {
+  return {};
+}
+
+std::vector<WindowTriangleId> SettlingWindow::Audit() {
+  std::vector<WindowTriangleId> faulty;
+  auto pairs = FindIntersections();
+  for (int attempt = 0; attempt < 2 && !pairs.empty() && options_.fit; ++attempt) {  // first without the fit's moves
+    for (const auto& [s, t] : pairs) {
+      for (const WindowTriangleId id : {s, t}) {
+        for (const WindowVertexId corner : fronts_.at(id).corners) {
+          WindowVertex& v = fronts_.at(corner);
+          if (!v.frozen()) v.position = v.source.position;
+        }
+      }
+    }
+    pairs = FindIntersections();
+  }
+  for (const auto& [s, t] : pairs) {
+    const bool first_given_up = fronts_.at(s).tries == 255;
+    if (first_given_up || fronts_.at(t).tries == 255) continue;
+    faulty.push_back(s);
+    faulty.push_back(t);
+  }
+  return faulty;
+}
+
+absl::Status SettlingWindow::Emit(bool everything) {
+  std::vector<WindowTriangleId> leaving;
+  for (uint32_t i = 0; i < fronts_.triangle_slots(); ++i) {
+    const WindowTriangle& t = fronts_.at(WindowTriangleId(i));
+    const auto ready = [&](WindowVertexId v) { return fronts_.at(v).depth >= kEmitDepth; };
+    if (t.alive && (everything || std::all_of(t.corners.begin(), t.corners.end(), ready))) leaving.push_back(WindowTriangleId(i));
+  }
+  if (leaving.empty()) return absl::OkStatus();
+  std::vector<OutputVertex> vertices;
+  std::vector<Triangle> triangles;
+  for (const WindowTriangleId id : leaving) {
+    const WindowTriangle& t = fronts_.at(id);
+    Triangle out;
+    Vec3 place[3];
+    for (int i = 0; i < 3; ++i) {
+      WindowVertex& v = fronts_.at(t.corners[i]);
+      if (!v.emitted.valid()) {
+        v.emitted = VertexId(next_output_++);
+        vertices.push_back({v.position, v.source.normal});
+      }
+      out[i] = v.emitted;
+      place[i] = v.position;
+    }
+    triangles.push_back(out);
+    counts_.quality.Add(place[0], place[1], place[2]);
+    for (int i = 0; i < 3; ++i) counts_.longest_edge = std::max(counts_.longest_edge, Distance(place[i], place[(i + 1) % 3]));
+    ++counts_.by_kind[static_cast<int>(t.kind)];
+    if (t.tries == 255) faults_.push_back((place[0] + place[1] + place[2]) / 3.0);
+  }
+  counts_.vertices += vertices.size();
+  counts_.triangles += triangles.size();
+  const std::vector<VertexId> finalised = fronts_.Settle(leaving);
+  return sink_.Append({vertices, triangles, finalised, fronts_.front_edge_count()});
+}
+
+}  // namespace meshfront

@@ -1,0 +1,78 @@
+// What happens behind the front (engine sec. 6 and 11): triangles wait here while a front is near, are improved by local
+// operations, audited, and then leave for the sink, for good.
+#pragma once
+
+#include <vector>
+
+#include "absl/status/status.h"
+#include "core/base/context.h"
+#include "core/front/front_set.h"
+#include "core/mesh/mesh_sink.h"
+#include "core/mesh/quality.h"
+
+namespace meshfront {
+
+struct SettlingOptions {
+  bool flips = true, smooth = true, fit = true;
+};
+
+// Totals over everything that has left the window.
+struct SettledCounts {
+  uint64_t vertices = 0, triangles = 0, flips = 0;
+  uint64_t by_kind[3] = {0, 0, 0};  // by TriangleKind
+  double longest_edge = 0;
+  QualityAccumulator quality;
+};
+
+// Called by: the advancing front, between working areas. Moves only vertices and edges that lie a few rings behind every front,
+// so that the front never notices.
+class SettlingWindow {
+ public:
+  SettlingWindow(const Surface& surface, FrontSet& fronts, const SettlingOptions& options, MeshSink& sink)
+      : surface_(surface), fronts_(fronts), options_(options), sink_(sink) {}
+
+  // Improves what is kMoveDepth rings or more behind the fronts and audits what is to leave. Returns the triangles of pairs
+  // that intersect, so that the front can take them back; none of their vertices is frozen.
+  std::vector<WindowTriangleId> Improve(const Context& context);
+  // Sends what is kEmitDepth rings or more behind the fronts (`everything`: all) to the sink. The sink's status when it stops the job.
+  absl::Status Emit(bool everything);
+  // Intersecting triangles that could not be mended any more and were let go; their places.
+  const std::vector<Vec3>& faults() const { return faults_; }
+  // From now on the audit reports this triangle's place as a fault instead of returning it.
+  void GiveUp(WindowTriangleId triangle) { fronts_.at(triangle).tries = 255; }
+  const SettledCounts& counts() const { return counts_; }
+
+  static constexpr uint32_t kMoveDepth = 3;
+  static constexpr uint32_t kEmitDepth = 6;
+
+ private:
+  void MeasureDepth();
+  bool IsMovable(const WindowVertex& v) const;
+  void FlipSweep();
+  bool TryFlip(Link half_edge);
+  void SmoothSweep();
+  void SearchSweep();
+  void FitSweep();
+  void FitVertex(WindowVertexId id);
+  bool GatherRing(WindowVertexId v);  // fills ring_; false when the fan is not closed
+  double WorstAround(const Vec3& place, const Vec3& normal, double (*measure)(const Vec3&, const Vec3&, const Vec3&)) const;
+  bool TryMove(WindowVertexId v, const Vec3& target, double (*measure)(const Vec3&, const Vec3&, const Vec3&), double& worst);
+  std::vector<WindowTriangleId> Audit();
+  std::vector<std::pair<WindowTriangleId, WindowTriangleId>> FindIntersections() const;
+
+  // The ring around a vertex: the corners opposite in each triangle, in order around it.
+  struct Spoke {
+    Vec3 from, to;  // the triangle is (vertex, from, to)
+  };
+
+  const Surface& surface_;
+  FrontSet& fronts_;
+  const SettlingOptions options_;
+  MeshSink& sink_;
+  SettledCounts counts_;
+  std::vector<Spoke> ring_;
+  std::vector<Vec3> faults_;
+  uint32_t next_output_ = 0;
+};
+
+}  // namespace meshfront
