@@ -7,67 +7,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
+#include "core/surface/face_queue.h"
 #include "core/surface/tolerances.h"
 
 namespace meshfront {
 namespace {
 
 using namespace surface_tolerances;
-
-// Faces in the order they were reached, each once, with the way to them. Kept for each thread, emptied by a new generation.
-class FaceQueue {
- public:
-  struct Entry {
-    uint32_t face;
-    double way;    // length of the way here
-    Vec3 entered;  // where it came in
-  };
-
-  void Clear() {
-    entries_.clear();
-    if (slots_.empty()) slots_.resize(256);
-    if (++generation_ == 0) {  // after 2^32 searches
-      std::fill(slots_.begin(), slots_.end(), Slot{});
-      generation_ = 1;
-    }
-  }
-  void Add(const Entry& entry) {
-    if (2 * (entries_.size() + 1) > slots_.size()) Grow();
-    if (Mark(entry.face)) entries_.push_back(entry);
-  }
-  size_t size() const { return entries_.size(); }
-  Entry operator[](size_t i) const { return entries_[i]; }
-
- private:
-  struct Slot {
-    uint32_t face = 0, generation = 0;
-  };
-  bool Mark(uint32_t face) {
-    const size_t mask = slots_.size() - 1;
-    for (size_t i = (face * 0x9e3779b1u) & mask;; i = (i + 1) & mask) {
-      if (slots_[i].generation != generation_) {
-        slots_[i] = {face, generation_};
-        return true;
-      }
-      if (slots_[i].face == face) return false;
-    }
-  }
-  void Grow() {
-    slots_.assign(2 * slots_.size(), Slot{});
-    for (const Entry& entry : entries_) Mark(entry.face);
-  }
-
-  std::vector<Slot> slots_;
-  std::vector<Entry> entries_;
-  uint32_t generation_ = 0;
-};
-
-Vec3 ClosestOnSegment(const Vec3& a, const Vec3& b, const Vec3& p) {
-  const double length2 = SquaredDistance(a, b);
-  return length2 > 0 ? Lerp(a, b, std::clamp(Dot(p - a, b - a) / length2, 0.0, 1.0)) : a;
-}
 
 bool StraddlesCirclePlane(const FaceView& mesh, uint32_t face, const PlacementCircle& circle) {
   double low = INFINITY, high = -INFINITY;
@@ -139,15 +86,9 @@ std::optional<FaceHit> SearchApex(const FaceView& mesh, absl::Span<const Vec3> n
   for (size_t i = 0; i < queue.size() && i < kMaxSearchFaces; ++i) {
     const FaceQueue::Entry at = queue[i];
     if (StraddlesCirclePlane(mesh, at.face, query.circle)) KeepBetterCrossings(mesh, normals, query, at, longest_way, best);
-    for (int side = 0; side < 3; ++side) {
-      const uint32_t across = mesh.opposite[3 * at.face + side];
-      if (across == kNoHalfEdge) continue;
-      const Vec3 passed = ClosestOnSegment(mesh.Corner(at.face, side), mesh.Corner(at.face, side == 2 ? 0 : side + 1), at.entered);
-      const double way = at.way + Distance(at.entered, passed);
-      if (way > longest_way) continue;
-      if (ClosestOnFace(mesh, across / 3, center).squared_distance > ball * ball) continue;
-      queue.Add({across / 3, way, passed});
-    }
+    queue.AddAcross(mesh, at, longest_way, [&](uint32_t face) {
+      return ClosestOnFace(mesh, face, center).squared_distance <= ball * ball;
+    });
   }
   return best.hit;
 }

@@ -7,12 +7,16 @@
 #include "core/base/status_macros.h"
 #include "core/surface/curvature_fit.h"
 #include "core/surface/mesh_surface.h"
+#include "core/surface/sheet_distance.h"
 
 namespace meshfront {
 namespace {
 
 constexpr int kMaxPerEdge = 8;
 constexpr size_t kCheckEvery = 4096;
+// How far another sheet matters: a fence is at most about this part of an edge high (4ξ at rho = 1, see the design).
+constexpr double kThicknessOfLength = 0.75;
+constexpr double kThicknessOfDiagonal = 0.1;
 
 // How many equal pieces an edge is cut into so that each is at most the ideal length.
 int Pieces(double length, double ideal_length) {
@@ -68,6 +72,20 @@ absl::Status MeshSurface::ComputeCurvature(const Context& context) {
   return absl::OkStatus();
 }
 
+absl::Status MeshSurface::MeasureThickness(absl::Span<const double> ideal_lengths, std::vector<CurvatureSample>& samples,
+                                           const Context& context) const {
+  const double longest = kThicknessOfDiagonal * BoundingBox(mesh_).Diagonal();
+  std::vector<double> limits(ideal_lengths.size());
+  for (size_t v = 0; v < limits.size(); ++v) limits[v] = std::min(kThicknessOfLength * ideal_lengths[v], longest);
+  MESHFRONT_ASSIGN_OR_RETURN(const std::vector<double> distances,
+                             MeasureSheetDistances(mesh_, adjacency_, normals_, limits, context));
+  size_t i = 0;
+  for (size_t v = 0; v < distances.size(); ++v) {
+    if (adjacency_.outgoing[v] != kNoHalfEdge) samples[i++].sheet_distance = distances[v];
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<std::vector<CurvatureSample>> MeshSurface::CurvatureSamples(
     absl::FunctionRef<double(double max_curvature)> ideal_length, bool with_thickness, const Context& context) const {
   if (!has_curvature_) return absl::FailedPreconditionError("the curvature must be computed before it is sampled");
@@ -78,7 +96,7 @@ absl::StatusOr<std::vector<CurvatureSample>> MeshSurface::CurvatureSamples(
   for (size_t v = 0; v < mesh_.positions.size(); ++v) {
     if (adjacency_.outgoing[v] != kNoHalfEdge) samples.push_back({mesh_.positions[v], curvatures_[v], INFINITY});
   }
-  (void)with_thickness;
+  if (with_thickness) MESHFRONT_RETURN_IF_ERROR(MeasureThickness(ideal_lengths, samples, context));
   Densifier densifier(mesh_, curvatures_, ideal_lengths, samples);
   for (uint32_t f = 0; f < mesh_.triangles.size(); ++f) {
     if (f % kCheckEvery == 0) MESHFRONT_RETURN_IF_ERROR(context.CheckStop());

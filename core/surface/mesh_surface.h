@@ -23,7 +23,7 @@ namespace meshfront {
 struct CurvatureSample {
   Vec3 position;
   double max_curvature = 0;   // 1/length, ≥ 0
-  double sheet_distance = 0;  // to the nearest other sheet within the search limit, > 0; +infinity when none
+  double sheet_distance = 0;  // to the nearest other sheet (sheet_distance.h) within the search limit; +infinity when none
 };
 
 // Immutable after ComputeCurvature; safe to read from many threads; deterministic at any thread count. Memory: the mesh, its
@@ -77,6 +77,9 @@ class MeshSurface final : public Surface {
  private:
   MeshSurface(TriangleMesh mesh, FaceAdjacency adjacency);
   FaceView View() const;
+  // Sets the sheet_distance of the samples at the vertices, in their order.
+  absl::Status MeasureThickness(absl::Span<const double> ideal_lengths, std::vector<CurvatureSample>& samples,
+                                const Context& context) const;
   SourcePoint Place(const FaceHit& hit) const;
   uint32_t FaceOf(const SourcePoint& p) const { return p.patch < mesh_.triangles.size() ? p.patch : 0; }
 

@@ -23,7 +23,7 @@ constexpr int Next(int corner) { return corner == 2 ? 0 : corner + 1; }
 constexpr int Previous(int corner) { return corner == 0 ? 2 : corner - 1; }
 
 // Replaces `best` by the closest point of half-edge `edge` when that is closer.
-void KeepCloserOnEdge(const FaceView& mesh, uint32_t face, int edge, const Vec3& target, ClosestHit& best) {
+void KeepCloserOnEdge(const FaceView& mesh, uint32_t face, int edge, const Vec3& target, WalkPoint& best) {
   const Vec3& from = mesh.Corner(face, edge);
   const Vec3 along = mesh.Corner(face, Next(edge)) - from;
   const double length2 = SquaredNorm(along);
@@ -41,8 +41,8 @@ void KeepCloserOnEdge(const FaceView& mesh, uint32_t face, int edge, const Vec3&
 }
 
 // The closest point over the faces around a corner; `best` is what is known already.
-ClosestHit ClosestAround(const FaceView& mesh, const ClosestHit& best, const Vec3& target) {
-  ClosestHit closest = best;
+WalkPoint ClosestAround(const FaceView& mesh, const WalkPoint& best, const Vec3& target) {
+  WalkPoint closest = best;
   const uint32_t start = best.hit.face;
   const int start_corner = best.region - 4;
   uint32_t face = start;
@@ -52,7 +52,7 @@ ClosestHit ClosestAround(const FaceView& mesh, const ClosestHit& best, const Vec
     if (across == kNoHalfEdge) break;
     face = across / 3, corner = static_cast<int>(across % 3);
     if (face == start) return closest;
-    const ClosestHit other = ClosestOnFace(mesh, face, target);
+    const WalkPoint other = ClosestOnFace(mesh, face, target);
     if (other.squared_distance < closest.squared_distance) closest = other;
   }
   for (face = start, corner = start_corner;;) {  // and the other way
@@ -60,21 +60,21 @@ ClosestHit ClosestAround(const FaceView& mesh, const ClosestHit& best, const Vec
     if (across == kNoHalfEdge) return closest;
     face = across / 3, corner = Next(static_cast<int>(across % 3));
     if (face == start) return closest;
-    const ClosestHit other = ClosestOnFace(mesh, face, target);
+    const WalkPoint other = ClosestOnFace(mesh, face, target);
     if (other.squared_distance < closest.squared_distance) closest = other;
   }
 }
 
 }  // namespace
 
-ClosestHit ClosestOnFace(const FaceView& mesh, uint32_t face, const Vec3& target) {
+WalkPoint ClosestOnFace(const FaceView& mesh, uint32_t face, const Vec3& target) {
   const Vec3& a = mesh.Corner(face, 0);
   const Vec3 e1 = mesh.Corner(face, 1) - a, e2 = mesh.Corner(face, 2) - a, d = target - a;
   const double g11 = SquaredNorm(e1), g12 = Dot(e1, e2), g22 = SquaredNorm(e2);
   const double b1 = Dot(d, e1), b2 = Dot(d, e2);
   const double det = g11 * g22 - g12 * g12;
   const double s = g22 * b1 - g12 * b2, t = g11 * b2 - g12 * b1;
-  ClosestHit best;
+  WalkPoint best;
   if (det > 0 && s >= 0 && t >= 0 && s + t <= det) {
     const double u = s / det, v = t / det;
     best.hit = {face, u, v, a + u * e1 + v * e2};
@@ -93,9 +93,9 @@ ClosestHit ClosestOnFace(const FaceView& mesh, uint32_t face, const Vec3& target
 }
 
 FaceHit DescendToClosest(const FaceView& mesh, uint32_t start, const Vec3& target) {
-  ClosestHit best = ClosestOnFace(mesh, start, target);
+  WalkPoint best = ClosestOnFace(mesh, start, target);
   while (best.region != 0) {
-    ClosestHit other;
+    WalkPoint other;
     if (best.region >= 4) {
       other = ClosestAround(mesh, best, target);
     } else {

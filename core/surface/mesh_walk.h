@@ -28,12 +28,12 @@ struct FaceHit {
 };
 
 // The point of face `face` closest to `target`. `region` is 0 inside, 1 + i on half-edge i, 4 + i at corner i.
-struct ClosestHit {
+struct WalkPoint {
   FaceHit hit;
   int region = 0;
   double squared_distance = 0;
 };
-ClosestHit ClosestOnFace(const FaceView& mesh, uint32_t face, const Vec3& target);
+WalkPoint ClosestOnFace(const FaceView& mesh, uint32_t face, const Vec3& target);
 
 // Descends the distance to `target` from face to face, across edges and around vertices, as long as it strictly decreases: ends
 // in a local minimum, never runs in circles. 15 ns a face.

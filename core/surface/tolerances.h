@@ -33,4 +33,12 @@ inline constexpr double kMaxDetour = 2.5;
 // Faces that one search may visit: bounds the time where an edge is long against the input.
 inline constexpr size_t kMaxSearchFaces = 20000;
 
+// Two places of a surface face each other when the cosine between their normals is below this.
+inline constexpr double kOpposed = -0.2;
+// They are different sheets when the way along the surface is longer than this many distances: a limb (π/2) and the walls of a
+// groove wider than 37° (3) are left to the curvature.
+inline constexpr double kOtherSheetDetour = 3;
+// Faces looked at for such a way; where it is not found among them it is long in faces too.
+inline constexpr size_t kMaxDetourFaces = 200;
+
 }  // namespace meshfront::surface_tolerances

@@ -1,0 +1,21 @@
+// How near another sheet of the surface comes: the other side of a thin plate, another limb.
+#pragma once
+
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/types/span.h"
+#include "core/base/context.h"
+#include "core/mesh/adjacency.h"
+#include "core/mesh/triangle_mesh.h"
+
+namespace meshfront {
+
+// For each vertex, the length of the shorter of the two rays along ± its normal to a face that looks the other way (cosine below
+// kOpposed) and is not near along the surface (kOtherSheetDetour), at most `limits[v]`; +infinity when there is none. On the
+// context's threads; deterministic. About 0.7 µs a vertex where rays are a few edges long, plus a hierarchy over the faces.
+absl::StatusOr<std::vector<double>> MeasureSheetDistances(const TriangleMesh& mesh, const FaceAdjacency& adjacency,
+                                                          absl::Span<const Vec3> normals, absl::Span<const double> limits,
+                                                          const Context& context);
+
+}  // namespace meshfront

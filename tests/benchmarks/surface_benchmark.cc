@@ -1,0 +1,101 @@
+// The kernels of core/surface on a generated, uneven mesh: GenusThree by marching tetrahedra, about 56k triangles.
+#include <benchmark/benchmark.h>
+
+#include <random>
+
+#include "core/guidance/sizing.h"
+#include "core/surface/curvature_fit.h"
+#include "core/surface/mesh_surface.h"
+#include "core/surface/vertex_normals.h"
+#include "tests/support/shapes.h"
+
+namespace meshfront {
+namespace {
+
+const TriangleMesh& Mesh() {
+  static const auto* mesh = new TriangleMesh(testing::GenusThree(144));
+  return *mesh;
+}
+const MeshSurface& Surface() {
+  static const auto* surface = [] {
+    auto made = *MeshSurface::Create(Mesh(), Context{});
+    if (!made->ComputeCurvature(Context{}).ok()) std::abort();
+    return made.release();
+  }();
+  return *surface;
+}
+double MeanEdge() {
+  const TriangleMesh& mesh = Mesh();
+  double sum = 0;
+  for (const Triangle& t : mesh.triangles) sum += Distance(mesh.PositionAt(t[0]), mesh.PositionAt(t[1]));
+  return sum / static_cast<double>(mesh.triangles.size());
+}
+
+void PerVertex(benchmark::State& state) {
+  state.SetItemsProcessed(state.iterations() * static_cast<int64_t>(Mesh().positions.size()));
+}
+
+void BM_Create(benchmark::State& state) {
+  for (auto _ : state) benchmark::DoNotOptimize(MeshSurface::Create(Mesh(), Context{}));
+  PerVertex(state);
+}
+BENCHMARK(BM_Create)->Unit(benchmark::kMillisecond);
+
+void BM_Curvature(benchmark::State& state) {
+  const FaceAdjacency adjacency = CreateAdjacency(Mesh());
+  const std::vector<Vec3> normals = ComputeVertexNormals(Mesh());
+  for (auto _ : state) benchmark::DoNotOptimize(FitMaxCurvatures(Mesh(), adjacency, normals, Context{}));
+  PerVertex(state);
+}
+BENCHMARK(BM_Curvature)->Unit(benchmark::kMillisecond);
+
+// Argument: with thickness.
+void BM_Samples(benchmark::State& state) {
+  const auto length = [](double curvature) { return IdealLength(0.8, curvature); };
+  for (auto _ : state) benchmark::DoNotOptimize(Surface().CurvatureSamples(length, state.range(0) != 0, Context{}));
+  PerVertex(state);
+}
+BENCHMARK(BM_Samples)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
+
+// Pairs of ends as a front makes them, `ratio` mean input edges apart, in the order of the mesh.
+std::vector<std::pair<SourcePoint, SourcePoint>> Edges(double length) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  std::vector<std::pair<SourcePoint, SourcePoint>> edges;
+  for (uint32_t f = 0; f < Mesh().triangles.size(); f += 13) {
+    const SourcePoint a = Surface().AtFace(FaceId(f), 0.3, 0.3);
+    const Vec3 direction{unit(random), unit(random), unit(random)};
+    const SourcePoint b = Surface().Snap(a, a.position + length * Normalized(direction - Dot(direction, a.normal) * a.normal));
+    edges.emplace_back(a, b);
+  }
+  return edges;
+}
+
+// Argument: edge length in mean input edges.
+void BM_FindApex(benchmark::State& state) {
+  const double length = static_cast<double>(state.range(0)) * MeanEdge();
+  const auto edges = Edges(length);
+  int64_t found = 0, asked = 0;
+  for (auto _ : state) {
+    const auto& [a, b] = edges[asked++ % edges.size()];
+    const auto apex = Surface().FindApex(a, b, length, length);
+    found += apex.has_value();
+    benchmark::DoNotOptimize(apex);
+  }
+  state.counters["found"] = static_cast<double>(found) / static_cast<double>(asked);
+}
+BENCHMARK(BM_FindApex)->Arg(1)->Arg(2)->Arg(5);
+
+void BM_Snap(benchmark::State& state) {
+  const double length = static_cast<double>(state.range(0)) * MeanEdge();
+  const auto edges = Edges(length);
+  size_t i = 0;
+  for (auto _ : state) {
+    const auto& [a, b] = edges[i++ % edges.size()];
+    benchmark::DoNotOptimize(Surface().Snap(a, b.position + 0.1 * length * b.normal));
+  }
+}
+BENCHMARK(BM_Snap)->Arg(1)->Arg(4);
+
+}  // namespace
+}  // namespace meshfront
