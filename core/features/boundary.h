@@ -1,0 +1,26 @@
+// Rims of open meshes as initial fronts, and what they ask of the edge length (sec. 3.3).
+#pragma once
+
+#include <vector>
+
+#include "absl/functional/function_ref.h"
+#include "absl/status/statusor.h"
+#include "core/base/context.h"
+#include "core/guidance/guidance_field.h"
+#include "core/surface/mesh_surface.h"
+#include "core/surface/oriented_loop.h"
+
+namespace meshfront {
+
+// One sizing sample per rim vertex: `ideal_length` of the rim's own curvature there, at most a quarter of the rim's length.
+// To be added to the surface's samples before the field is made. Stops with the context. About 0.2 µs a rim vertex.
+absl::StatusOr<std::vector<SizingSample>> BoundarySizingSamples(
+    const MeshSurface& surface, absl::FunctionRef<double(double max_curvature)> ideal_length, const Context& context);
+
+// One loop per rim, in the order of FindBoundaryLoops: at least three vertices on the rim's edges, about g apart, sharp corners
+// exactly. Each runs against the faces' half-edges, so that the surface lies on its right. ResourceExhausted when g is so
+// small that a rim would get more than 2^22 vertices; stops with the context. O(rim edges + vertices).
+absl::StatusOr<std::vector<OrientedLoop>> BoundaryLoops(const MeshSurface& surface, const GuidanceField& field,
+                                                        const Context& context);
+
+}  // namespace meshfront

@@ -1,0 +1,62 @@
+// Closed polylines in space, and their resampling by edge length: the advancing front in one dimension less (sec. 3.3).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "absl/functional/function_ref.h"
+#include "absl/status/statusor.h"
+#include "core/base/context.h"
+#include "core/geometry/vec3.h"
+
+namespace meshfront {
+
+// Edge length wanted at a place, > 0.
+using LengthField = absl::FunctionRef<double(const Vec3&)>;
+
+// A place on a polyline: share `t` in [0, 1) of the segment from vertex `segment` to the next.
+struct CurvePoint {
+  uint32_t segment = 0;
+  double t = 0;
+  friend bool operator==(const CurvePoint&, const CurvePoint&) = default;
+};
+
+// A closed polyline, last vertex joined to the first. Indices up to twice the size run around it again.
+class ClosedCurve {
+ public:
+  // At least three vertices.
+  explicit ClosedCurve(std::vector<Vec3> vertices);
+
+  size_t size() const { return vertices_.size(); }
+  const Vec3& operator[](size_t i) const { return vertices_[i % vertices_.size()]; }
+  double length() const { return arcs_.back(); }
+  Vec3 At(const CurvePoint& p) const { return p.t > 0 ? Lerp((*this)[p.segment], (*this)[p.segment + 1], p.t) : (*this)[p.segment]; }
+  // Length along the curve from vertex 0, continued when the index runs around.
+  double ArcAt(const CurvePoint& p) const;
+  // The place at this length along the curve, in [0, 2 length]; its segment may be up to twice the size.
+  CurvePoint PointAtArc(double arc) const;
+
+ private:
+  double ArcOfVertex(size_t i) const { return arcs_[i % size()] + (i >= size() ? length() * static_cast<double>(i / size()) : 0); }
+
+  std::vector<Vec3> vertices_;
+  std::vector<double> arcs_;  // of every vertex, and the whole length last
+};
+
+// Vertices at which the curve turns by more than 45°, seen by chords of half the edge length and of the whole, and that have
+// no sharper one within half an edge length. In increasing order. Stops with the context.
+absl::StatusOr<std::vector<uint32_t>> FindCorners(const ClosedCurve& curve, LengthField field, const Context& context);
+
+// Points along the curve such that the chord from each to the next is about the field's length at the first, the corners
+// exactly, and pieces between corners divided evenly. At least three points, distinct and in the order of the curve, in which
+// the first may be any vertex; no skipped vertex lies farther from its chord than a fifth of the chord, as far as eight
+// halvings allow. A curve too small for its field gives the three vertices that span it. ResourceExhausted beyond 2^22 points;
+// stops with the context. O(vertices + points).
+absl::StatusOr<std::vector<CurvePoint>> ResampleCurve(const ClosedCurve& curve, LengthField field,
+                                                      const Context& context);
+
+// Curvature at each vertex (1/length), of the circle fitted to the vertices around; not across corners, where it
+// is 0. At most 2 / mean edge around.
+std::vector<double> CurveCurvatures(const ClosedCurve& curve);
+
+}  // namespace meshfront

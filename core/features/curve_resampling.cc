@@ -1,0 +1,205 @@
+//   1. Anchors: the corners; without any, the vertex where the field is smallest.
+//   2. MarkPiece walks a piece between anchors with steps whose chords equal the field's length at their start, and tells how
+//      many steps it takes, with a fraction for the last.
+//   3. DividePiece takes the whole number nearest in ratio and spreads its points evenly over the count of steps, so that
+//      spacing follows the field and closes.
+//   4. Fewer than three points: again with the three vertices that span the curve as anchors.
+//   5. Refine adds the farthest skipped vertex to chords that leave the curve too far aside.
+// Rejected: a second walk with scaled steps. It rarely ends where it should; spreading in step 3 does by construction.
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
+#include "core/features/curve.h"
+#include "core/features/tolerances.h"
+
+namespace meshfront {
+namespace {
+
+// A piece of the curve between two vertices; `end` may run around up to twice the size.
+struct Piece {
+  uint32_t begin, end;
+};
+
+double DistanceToSegment(const Vec3& x, const Vec3& a, const Vec3& b) {
+  const Vec3 d = b - a;
+  const double squared = SquaredNorm(d);
+  const double t = squared > 0 ? std::clamp(Dot(x - a, d) / squared, 0.0, 1.0) : 0;
+  return Distance(x, a + t * d);
+}
+
+// The t in [0, 1] at which the segment from inside the ball to outside of it crosses the sphere.
+double CrossingOf(const Vec3& inside, const Vec3& outside, const Vec3& center, double radius) {
+  const Vec3 d = outside - inside, m = inside - center;
+  const double a = SquaredNorm(d), b = Dot(m, d), c = std::min(SquaredNorm(m) - radius * radius, 0.0);
+  const double root = std::sqrt(std::max(b * b - a * c, 0.0));
+  // −c / (b + root) where that does not cancel, (root − b) / a otherwise.
+  const double t = b > 0 ? -c / (b + root) : (root - b) / a;
+  return std::isfinite(t) ? std::clamp(t, 0.0, 1.0) : 1;
+}
+
+class Resampler {
+ public:
+  Resampler(const ClosedCurve& curve, LengthField field, const Context& context)
+      : curve_(curve), field_(field), context_(context) {}
+
+  absl::StatusOr<std::vector<CurvePoint>> Run() {
+    MESHFRONT_ASSIGN_OR_RETURN(std::vector<uint32_t> anchors, FindCorners(curve_, field_, context_));
+    if (anchors.empty()) anchors = {VertexOfSmallestLength()};
+    MESHFRONT_RETURN_IF_ERROR(DivideBetween(anchors));
+    if (points_.size() < 3) MESHFRONT_RETURN_IF_ERROR(DivideBetween(SpanningVertices()));
+    Refine();
+    for (CurvePoint& p : points_) p.segment %= curve_.size();
+    return std::move(points_);
+  }
+
+ private:
+  uint32_t VertexOfSmallestLength() const {
+    uint32_t best = 0;
+    double smallest = field_(curve_[0]);
+    for (uint32_t i = 1; i < curve_.size(); ++i) {
+      const double g = field_(curve_[i]);
+      if (g < smallest) smallest = g, best = i;
+    }
+    return best;
+  }
+
+  template <class Measure>
+  uint32_t FarthestVertex(Measure measure) const {
+    uint32_t best = 0;
+    for (uint32_t i = 1; i < curve_.size(); ++i) {
+      if (measure(i) > measure(best)) best = i;
+    }
+    return best;
+  }
+
+  // Three vertices whose triangle is large: two far apart, and the one farthest from the line between them. On a collinear curve
+  // any third one.
+  std::vector<uint32_t> SpanningVertices() const {
+    const uint32_t a = FarthestVertex([&](uint32_t i) { return SquaredDistance(curve_[i], curve_[0]); });
+    const uint32_t b = FarthestVertex([&](uint32_t i) { return SquaredDistance(curve_[i], curve_[a]); });
+    uint32_t c = FarthestVertex([&](uint32_t i) { return SquaredNorm(Cross(curve_[i] - curve_[a], curve_[b] - curve_[a])); });
+    if (c == a || c == b) {
+      c = 0;
+      while (c == a || c == b) ++c;
+    }
+    std::vector<uint32_t> span{a, b, c};
+    std::sort(span.begin(), span.end());
+    return span;
+  }
+
+  absl::Status DivideBetween(const std::vector<uint32_t>& anchors) {
+    points_.clear();
+    for (size_t i = 0; i < anchors.size(); ++i) {
+      const bool last = i + 1 == anchors.size();
+      const uint32_t next = last ? anchors[0] + static_cast<uint32_t>(curve_.size()) : anchors[i + 1];
+      MESHFRONT_RETURN_IF_ERROR(DividePiece({anchors[i], next}));
+    }
+    return absl::OkStatus();
+  }
+
+  // Fills marks_ with the arcs of the steps' starts, and the piece's end last; returns the number of steps.
+  absl::StatusOr<double> MarkPiece(const Piece& piece) {
+    marks_.clear();
+    CurvePoint at{piece.begin, 0};
+    while (true) {
+      if (marks_.size() % kStopInterval == 0) MESHFRONT_RETURN_IF_ERROR(context_.CheckStop());
+      if (points_.size() + marks_.size() > kMaxCurvePoints) {
+        return absl::ResourceExhaustedError(
+            absl::StrCat("a boundary of length ", curve_.length(), " would get more than ", kMaxCurvePoints,
+                         " vertices at the edge length asked for; it must be larger"));
+      }
+      marks_.push_back(curve_.ArcAt(at));
+      const Vec3 from = curve_.At(at);
+      const double radius = field_(from);
+      if (!StepTo(piece, from, radius, at)) {
+        marks_.push_back(curve_.ArcAt({piece.end, 0}));
+        return static_cast<double>(marks_.size() - 2) + std::min(Distance(from, curve_[piece.end]) / radius, 1.0);
+      }
+    }
+  }
+
+  // Moves `at` to where the curve leaves the ball around `from`; false when the piece ends before.
+  bool StepTo(const Piece& piece, const Vec3& from, double radius, CurvePoint& at) const {
+    Vec3 inside = from;
+    double start = at.t;
+    for (uint32_t i = at.segment; i != piece.end; ++i, start = 0) {
+      const Vec3& next = curve_[i + 1];
+      if (Distance(next, from) >= radius) {
+        const double t = start + (1 - start) * CrossingOf(inside, next, from, radius);
+        at = t < 1 ? CurvePoint{i, t} : CurvePoint{i + 1, 0};
+        return at.segment != piece.end;
+      }
+      inside = next;
+    }
+    return false;
+  }
+
+  absl::Status DividePiece(const Piece& piece) {
+    MESHFRONT_ASSIGN_OR_RETURN(const double steps, MarkPiece(piece));
+    double count = std::max(1.0, std::floor(steps));
+    if (steps * steps > count * (count + 1)) ++count;
+    points_.push_back({piece.begin, 0});
+    const size_t last = marks_.size() - 2;
+    for (double j = 1; j < count; ++j) {
+      const double step = steps * (j / count);
+      const size_t i = std::min(static_cast<size_t>(step), last);
+      const double width = i < last ? 1 : steps - static_cast<double>(last);
+      const double share = width > 0 ? (step - static_cast<double>(i)) / width : j / count;
+      const CurvePoint p = curve_.PointAtArc(marks_[i] + share * (marks_[i + 1] - marks_[i]));
+      if (IsAfter(p, points_.back()) && IsAfter({piece.end, 0}, p)) points_.push_back(p);
+    }
+    return absl::OkStatus();
+  }
+
+  // Strictly later along the curve, and elsewhere in space.
+  bool IsAfter(const CurvePoint& p, const CurvePoint& before) const {
+    if (p.segment < before.segment || (p.segment == before.segment && p.t <= before.t)) return false;
+    return curve_.At(p) != curve_.At(before);
+  }
+
+  void Refine() {
+    std::vector<CurvePoint> coarse = std::move(points_);
+    points_.clear();
+    for (size_t i = 0; i < coarse.size(); ++i) {
+      CurvePoint next = coarse[(i + 1) % coarse.size()];
+      while (next.segment < coarse[i].segment) next.segment += static_cast<uint32_t>(curve_.size());
+      points_.push_back(coarse[i]);
+      RefineChord(coarse[i], next, kMaxRefinements);
+    }
+  }
+
+  // Appends what lies strictly between.
+  void RefineChord(const CurvePoint& a, const CurvePoint& b, int depth) {
+    const Vec3 from = curve_.At(a), to = curve_.At(b);
+    double farthest = kMaxSagittaShare * Distance(from, to);
+    uint32_t split = 0;
+    const uint32_t end = b.t > 0 ? b.segment + 1 : b.segment;
+    for (uint32_t i = a.segment + 1; i < end; ++i) {
+      const double distance = DistanceToSegment(curve_[i], from, to);
+      if (distance > farthest) farthest = distance, split = i;
+    }
+    if (split == 0 || depth == 0) return;
+    const CurvePoint middle{split, 0};
+    RefineChord(a, middle, depth - 1);
+    points_.push_back(middle);
+    RefineChord(middle, b, depth - 1);
+  }
+
+  const ClosedCurve& curve_;
+  LengthField field_;
+  const Context& context_;
+  std::vector<CurvePoint> points_;  // segments run on past the size until the end
+  std::vector<double> marks_;
+};
+
+}  // namespace
+
+absl::StatusOr<std::vector<CurvePoint>> ResampleCurve(const ClosedCurve& curve, LengthField field,
+                                                      const Context& context) {
+  return Resampler(curve, field, context).Run();
+}
+
+}  // namespace meshfront

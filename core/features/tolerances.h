@@ -1,0 +1,34 @@
+// The numeric choices of this room, each with its unit and reason.
+#pragma once
+
+#include <cstddef>
+
+namespace meshfront {
+
+// A vertex of a curve is a corner when its chords turn by more than 45° both at half the local edge length and at the whole:
+// a zig-zag of single edges turns at one scale only.
+inline constexpr double kCornerCosine = 0.70710678118654752440;
+// Vertices looked at on each side when a chord is sought: bounds the work where a curve is very fine against g.
+inline constexpr size_t kChordReach = 64;
+// A chord may leave skipped parts of the curve at most this far aside, as a share of its length: the sagitta of an arc of 1.5
+// radians. Sizing samples along curves keep it below that; this is the net under noise and hairpins.
+inline constexpr double kMaxSagittaShare = 0.2;
+inline constexpr int kMaxRefinements = 8;  // halvings of one chord
+// More points than this on one curve are refused: the field is finer than any output that could be wanted.
+inline constexpr size_t kMaxCurvePoints = size_t{1} << 22;
+inline constexpr size_t kStopInterval = 4096;  // steps between two looks at the context: below a millisecond
+
+inline constexpr size_t kCornerStopInterval = 256;  // the same where every step looks along four chords
+
+// The circle that tells a curve's curvature is fitted to this many vertices on each side.
+inline constexpr size_t kCurvatureReach = 3;
+// The fit's determinant below which the curve folds back, in units of the mean edge; one for three points on a line.
+inline constexpr double kMinDeterminant = 1e-9;
+// Curvature is at most 1 / (this × mean edge): a polyline cannot tell anything sharper than a turn within two edges.
+inline constexpr double kMinRadiusInEdges = 0.5;
+// The sides of a corner are straight when chord / arc over the fit's reach is at least this.
+inline constexpr double kStraightShare = 0.95;
+// Ideal length on a curve is at most its length divided by this: g is l/η there, so a small hole gets about five vertices.
+inline constexpr double kMinEdgesPerLoop = 4;
+
+}  // namespace meshfront
