@@ -228,8 +228,37 @@ std::vector<WindowTriangleId> SettlingWindow::Improve(const Context& context) {
   return stopped() ? std::vector<WindowTriangleId>() : Audit();
 }
 
+// Pairs of triangles that meet in more than what they share, one of them about to leave.
 std::vector<std::pair<WindowTriangleId, WindowTriangleId>> SettlingWindow::FindIntersections() const {
-  return {};
+  std::vector<Vec3> positions(fronts_.vertex_slots());
+  for (uint32_t i = 0; i < positions.size(); ++i) positions[i] = fronts_.at(WindowVertexId(i)).position;
+  std::vector<Triangle> triangles;
+  std::vector<WindowTriangleId> ids;
+  for (uint32_t i = 0; i < fronts_.triangle_slots(); ++i) {
+    const WindowTriangle& t = fronts_.at(WindowTriangleId(i));
+    if (!t.alive) continue;
+    triangles.push_back({VertexId(t.corners[0].index()), VertexId(t.corners[1].index()), VertexId(t.corners[2].index())});
+    ids.push_back(WindowTriangleId(i));
+  }
+  const auto leaves = [&](WindowTriangleId id) {
+    const WindowTriangle& t = fronts_.at(id);
+    return std::all_of(t.corners.begin(), t.corners.end(), [&](WindowVertexId v) { return fronts_.at(v).depth >= kEmitDepth; });
+  };
+  const auto place = [&](const Triangle& t, int i) { return positions[t[i].index()]; };
+  const TriangleBvh bvh(positions, triangles);
+  std::vector<std::pair<WindowTriangleId, WindowTriangleId>> found;
+  for (uint32_t i = 0; i < triangles.size(); ++i) {
+    if (!leaves(ids[i])) continue;
+    const Vec3 a[3] = {place(triangles[i], 0), place(triangles[i], 1), place(triangles[i], 2)};
+    bvh.VisitOverlaps(bvh.BoxOf(FaceId(i)), [&](FaceId f) {
+      const uint32_t j = f.index();
+      if (j == i || (j < i && leaves(ids[j]))) return true;
+      const Vec3 b[3] = {place(triangles[j], 0), place(triangles[j], 1), place(triangles[j], 2)};
+      if (TrianglesIntersect(a, b, SharedCornersOf(triangles[i], triangles[j]))) found.push_back({ids[i], ids[j]});
+      return true;
+    });
+  }
+  return found;
 }
 
 std::vector<WindowTriangleId> SettlingWindow::Audit() {

@@ -1,0 +1,36 @@
+// Everything before the front: from the mesh as read to a surface, a guidance field and the fronts to start from. Shared by
+// remeshing and estimating.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/guidance/guidance_field.h"
+#include "core/remesh.h"
+#include "core/surface/mesh_surface.h"
+#include "core/surface/oriented_loop.h"
+
+namespace meshfront {
+
+struct Preparation {
+  InputReport input;
+  ParametersInForce parameters;
+  std::unique_ptr<MeshSurface> surface;
+  std::optional<GuidanceField> field;
+  std::vector<OrientedLoop> loops;
+  std::vector<SourcePoint> seeds;
+  double predicted_triangles = 0;
+  double scale = 1;   // the surface is the input times this power of two
+  StageSeconds seconds;
+};
+
+// The error bound of eq. 7 for edges of `length` at these parameters: with the angle in force, so that a clamp or a uniform
+// length is bounded by what it is.
+double ErrorBoundInForce(const ParametersInForce& parameters, double length, double max_curvature);
+
+// The stages up to the first triangle. Same errors as Remesh.
+absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context);
+
+}  // namespace meshfront

@@ -1,0 +1,174 @@
+#include "core/remesh.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <thread>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
+#include "core/front/advancing_front.h"
+#include "core/guidance/sizing.h"
+#include "core/preparation.h"
+
+namespace meshfront {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double SecondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+// Hands pieces on, in the scale of the input, and notes when the first came.
+class OutgoingSink : public MeshSink {
+ public:
+  OutgoingSink(MeshSink& next, double scale, Clock::time_point start) : next_(next), scale_(scale), start_(start) {}
+
+  absl::Status Append(const MeshPiece& piece) override {
+    if (first_chunk_ == 0) first_chunk_ = SecondsSince(start_);
+    if (scale_ == 1) return next_.Append(piece);
+    std::vector<OutputVertex> vertices(piece.vertices.begin(), piece.vertices.end());
+    for (OutputVertex& v : vertices) v.position = v.position / scale_;
+    return next_.Append({vertices, piece.triangles, piece.finalised, piece.open_front_edges});
+  }
+  double first_chunk() const { return first_chunk_; }
+
+ private:
+  MeshSink& next_;
+  const double scale_;
+  const Clock::time_point start_;
+  double first_chunk_ = 0;
+};
+
+absl::Status CheckLength(absl::string_view field, const std::optional<Length>& length) {
+  if (!length || (std::isfinite(length->value) && length->value > 0)) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat("options.", field, " is ", length->value, "; it must be finite and positive"));
+}
+
+int ThreadsInForce(const Context& context) {
+  return context.threads > 0 ? context.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+}
+
+// Topology of the output from the counts that the front kept: V − E + F with E = (3F + rim) / 2.
+TopologyReport OutputTopology(const FrontReport& front) {
+  TopologyReport t;
+  t.vertices = front.vertices;
+  t.triangles = front.triangles;
+  t.components = front.components;
+  t.boundary_edges = front.boundary_edges;
+  t.boundary_loops = front.boundary_loops;
+  t.closed = front.triangles > 0 && front.boundary_edges == 0;
+  t.manifold = t.oriented = true;  // the front set's invariant
+  const auto n = [](uint64_t x) { return static_cast<int64_t>(x); };
+  t.euler_characteristic = n(t.vertices) - (3 * n(t.triangles) + n(t.boundary_edges)) / 2 + n(t.triangles);
+  const int64_t twice = 2 * n(t.components) - t.euler_characteristic - n(t.boundary_loops);
+  if (front.open_places.empty()) t.genus = twice / 2;
+  return t;
+}
+
+void Scale(Preparation& p, Report& report) {
+  report.parameters.min_edge /= p.scale;
+  report.parameters.max_edge /= p.scale;
+  report.error_bound /= p.scale;
+  for (Vec3& place : report.open_places) place = place / p.scale;
+}
+
+}  // namespace
+
+absl::Status ValidateOptions(const RemeshOptions& o) {
+  if (!(o.rho > 0 && o.rho <= 2 * std::numbers::pi / 3)) {
+    return absl::InvalidArgumentError(absl::StrCat("options.rho is ", o.rho, "; it must be in (0, 2π/3]"));
+  }
+  if (!(o.eta > 1 && o.eta < 2)) {
+    return absl::InvalidArgumentError(absl::StrCat("options.eta is ", o.eta, "; it must be in (1, 2)"));
+  }
+  MESHFRONT_RETURN_IF_ERROR(CheckLength("edge_length", o.edge_length));
+  MESHFRONT_RETURN_IF_ERROR(CheckLength("min_edge", o.min_edge));
+  MESHFRONT_RETURN_IF_ERROR(CheckLength("max_edge", o.max_edge));
+  if (o.sizing == Sizing::kError) {
+    return absl::InvalidArgumentError("options.sizing is error; this sizing is not supported yet");
+  }
+  if (o.sizing == Sizing::kUniform && !o.edge_length) {
+    return absl::InvalidArgumentError("options.sizing is uniform; it needs options.edge_length");
+  }
+  if (o.sizing != Sizing::kUniform && o.edge_length) {
+    return absl::InvalidArgumentError("options.edge_length is set; it needs options.sizing to be uniform");
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& context) {
+  const Clock::time_point start = Clock::now();
+  MESHFRONT_ASSIGN_OR_RETURN(Preparation p, Prepare(std::move(problem), context));
+  const double prepared = SecondsSince(start);
+  OutgoingSink outgoing(sink, p.scale, start);
+  const RemeshOptions& o = p.parameters.options;
+  const FrontOptions options{o.flips, o.smooth, o.fit, static_cast<uint64_t>(std::min(p.predicted_triangles, 1e18))};
+  MESHFRONT_ASSIGN_OR_RETURN(const FrontReport front,
+                             AdvanceFront(*p.surface, *p.field, p.loops, p.seeds, options, outgoing, context));
+  Report report;
+  report.input = p.input;
+  report.parameters = p.parameters;
+  report.predicted_triangles = options.predicted_triangles;
+  const auto curvatures = p.surface->vertex_curvatures();
+  const double peak = curvatures.empty() ? 0 : *std::max_element(curvatures.begin(), curvatures.end());
+  report.error_bound = ErrorBoundInForce(p.parameters, front.longest_edge, peak);
+  report.output = OutputTopology(front);
+  report.complete = front.open_places.empty();
+  report.open_places = front.open_places;
+  report.quality.radius_ratio_min = front.quality.radius_ratio_min;
+  report.quality.radius_ratio_p0_5 = front.quality.radius_ratio_p0_5;
+  report.quality.radius_ratio_median = front.quality.radius_ratio_median;
+  report.quality.min_angle_deg = front.quality.min_angle_deg;
+  report.triangles_by_kind.free = front.free_triangles;
+  report.triangles_by_kind.connection = front.connection_triangles;
+  report.triangles_by_kind.closing = front.closing_triangles;
+  report.flips = front.flips;
+  report.peak_front_edges = front.peak_front_edges;
+  report.refusals = front.refusals;
+  report.seconds = p.seconds;
+  report.seconds.first_chunk = outgoing.first_chunk();
+  report.seconds.engine = SecondsSince(start);
+  report.seconds.mesh = report.seconds.engine - prepared;
+  report.threads = ThreadsInForce(context);
+  Scale(p, report);
+  return report;
+}
+
+absl::StatusOr<Estimate> EstimateRemesh(Problem problem, const Context& context) {
+  MESHFRONT_ASSIGN_OR_RETURN(Preparation p, Prepare(std::move(problem), context));
+  Estimate estimate;
+  estimate.input = p.input;
+  estimate.parameters = p.parameters;
+  estimate.predicted_triangles = static_cast<uint64_t>(std::min(p.predicted_triangles, 1e18));
+  // Lengths of the predicted edges: g at the faces' centroids, weighted by how many triangles each face will get.
+  const TriangleMesh& mesh = p.surface->mesh();
+  std::vector<std::pair<double, double>> lengths;  // g, weight
+  double total = 0, bound = 0;
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3 &a = mesh.PositionAt(t[0]), &b = mesh.PositionAt(t[1]), &c = mesh.PositionAt(t[2]);
+    const double g = p.field->At((a + b + c) / 3.0), weight = TriangleArea(a, b, c) / (g * g);
+    lengths.push_back({g, weight});
+    total += weight;
+    double peak = 0;
+    for (const VertexId v : t) peak = std::max(peak, p.surface->vertex_curvatures()[v.index()]);
+    bound = std::max(bound, ErrorBoundInForce(p.parameters, g, peak));
+  }
+  std::sort(lengths.begin(), lengths.end());
+  estimate.edge_min = lengths.front().first / p.scale;
+  estimate.edge_max = lengths.back().first / p.scale;
+  double below = 0;
+  for (const auto& [g, weight] : lengths) {
+    below += weight;
+    estimate.edge_median = g / p.scale;
+    if (below >= 0.5 * total) break;
+  }
+  estimate.error_bound = bound / p.scale;
+  estimate.parameters.min_edge /= p.scale;
+  estimate.parameters.max_edge /= p.scale;
+  constexpr uint64_t kBytesPerInputTriangle = 200, kFixedBytes = 32 << 20;  // measured peaks, rounded up
+  estimate.memory_bytes = kFixedBytes + kBytesPerInputTriangle * mesh.triangles.size();
+  return estimate;
+}
+
+}  // namespace meshfront
