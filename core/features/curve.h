@@ -44,13 +44,13 @@ class ClosedCurve {
 };
 
 // Vertices at which the curve turns by more than 45°, seen by chords of half the edge length and of the whole, and that have
-// no sharper one within half an edge length. In increasing order. Stops with the context.
+// no sharper one within 0.6 edge lengths. In increasing order. Stops with the context.
 absl::StatusOr<std::vector<uint32_t>> FindCorners(const ClosedCurve& curve, LengthField field, const Context& context);
 
 // Points along the curve such that the chord from each to the next is about the field's length at the first, the corners
 // exactly, and pieces between corners divided evenly. At least three points, distinct and in the order of the curve, in which
-// the first may be any vertex; no skipped vertex lies farther from its chord than a fifth of the chord, as far as eight
-// halvings allow. A curve too small for its field gives the three vertices that span it. ResourceExhausted beyond 2^22 points;
+// the first may be any vertex; skipped vertices lie within about a fifth of g from their chord, unless that took points closer
+// than 0.6 g to each other. A curve too small for its field gives the three vertices that span it. ResourceExhausted beyond 2^22 points;
 // stops with the context. O(vertices + points).
 absl::StatusOr<std::vector<CurvePoint>> ResampleCurve(const ClosedCurve& curve, LengthField field,
                                                       const Context& context);

@@ -1,6 +1,6 @@
 //   1. TurnAt: the cosine between the chords into and out of a vertex, at a given chord length;
 //   2. candidates turn by more than 45° at both scales, the sharper scale counts;
-//   3. the sharpest first, a candidate is kept when no corner lies within half an edge length along the curve.
+//   3. the sharpest first, a candidate is kept when no corner lies within the least distance along the curve.
 // Rejected: the turn of adjacent edges alone; on a scan's rim every second vertex is a corner then.
 #include <algorithm>
 #include <cmath>
@@ -65,7 +65,7 @@ absl::StatusOr<std::vector<uint32_t>> FindCorners(const ClosedCurve& curve, Leng
     const double g = field(curve[i]);
     const double near = TurnAt(curve, i, 0.5 * g);
     if (near >= kCornerCosine || TurnAt(curve, i, g) >= kCornerCosine) continue;
-    candidates.push_back({near, i, 0.5 * g});
+    candidates.push_back({near, i, kMinAnchorDistance * g});
   }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.cosine < b.cosine; });

@@ -3,11 +3,13 @@
 //      many steps it takes, with a fraction for the last.
 //   3. DividePiece takes the whole number nearest in ratio and spreads its points evenly over the count of steps, so that
 //      spacing follows the field and closes.
-//   4. Fewer than three points: again with the three vertices that span the curve as anchors.
-//   5. Refine adds the farthest skipped vertex to chords that leave the curve too far aside.
+//   4. FindFarVertices: where a chord leaves the curve too far aside, the vertex farthest from it becomes an anchor, unless it
+//      lies too close to one; again from 2, a few times.
+//   5. Fewer than three points: again with the three vertices that span the curve as anchors.
 // Rejected: a second walk with scaled steps. It rarely ends where it should; spreading in step 3 does by construction.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
@@ -49,8 +51,14 @@ class Resampler {
     MESHFRONT_ASSIGN_OR_RETURN(std::vector<uint32_t> anchors, FindCorners(curve_, field_, context_));
     if (anchors.empty()) anchors = {VertexOfSmallestLength()};
     MESHFRONT_RETURN_IF_ERROR(DivideBetween(anchors));
+    for (int round = 0; round < kMaxRefinements; ++round) {
+      const std::vector<uint32_t> far = FindFarVertices(anchors);
+      if (far.empty()) break;
+      anchors.insert(anchors.end(), far.begin(), far.end());
+      std::sort(anchors.begin(), anchors.end());
+      MESHFRONT_RETURN_IF_ERROR(DivideBetween(anchors));
+    }
     if (points_.size() < 3) MESHFRONT_RETURN_IF_ERROR(DivideBetween(SpanningVertices()));
-    Refine();
     for (CurvePoint& p : points_) p.segment %= curve_.size();
     return std::move(points_);
   }
@@ -160,32 +168,38 @@ class Resampler {
     return curve_.At(p) != curve_.At(before);
   }
 
-  void Refine() {
-    std::vector<CurvePoint> coarse = std::move(points_);
-    points_.clear();
-    for (size_t i = 0; i < coarse.size(); ++i) {
-      CurvePoint next = coarse[(i + 1) % coarse.size()];
-      while (next.segment < coarse[i].segment) next.segment += static_cast<uint32_t>(curve_.size());
-      points_.push_back(coarse[i]);
-      RefineChord(coarse[i], next, kMaxRefinements);
+  // The vertex farthest from each chord that leaves the curve too far aside, where it is far enough from all anchors and from
+  // those already found.
+  std::vector<uint32_t> FindFarVertices(const std::vector<uint32_t>& anchors) const {
+    std::vector<uint32_t> found;
+    for (size_t i = 0; i < points_.size(); ++i) {
+      const std::optional<uint32_t> far = FarthestFromChord(i);
+      if (!far) continue;
+      const double room = kMinAnchorDistance * field_(curve_[*far]);
+      if (!found.empty() && Distance(curve_[*far], curve_[found.back()]) < room) continue;
+      const auto next = std::upper_bound(anchors.begin(), anchors.end(), *far);
+      const uint32_t after = next == anchors.end() ? anchors.front() : *next;
+      const uint32_t before = next == anchors.begin() ? anchors.back() : *(next - 1);
+      if (Distance(curve_[*far], curve_[after]) < room || Distance(curve_[*far], curve_[before]) < room) continue;
+      found.push_back(*far);
     }
+    return found;
   }
 
-  // Appends what lies strictly between.
-  void RefineChord(const CurvePoint& a, const CurvePoint& b, int depth) {
+  // Of the vertices that the chord from point i to the next skips, the one farthest from it, if that is too far.
+  std::optional<uint32_t> FarthestFromChord(size_t i) const {
+    const CurvePoint& a = points_[i];
+    CurvePoint b = points_[(i + 1) % points_.size()];
+    if (i + 1 == points_.size()) b.segment += static_cast<uint32_t>(curve_.size());
     const Vec3 from = curve_.At(a), to = curve_.At(b);
-    double farthest = kMaxSagittaShare * Distance(from, to);
-    uint32_t split = 0;
+    double farthest = kMaxSagittaShare * std::max(Distance(from, to), field_(from));
+    std::optional<uint32_t> vertex;
     const uint32_t end = b.t > 0 ? b.segment + 1 : b.segment;
-    for (uint32_t i = a.segment + 1; i < end; ++i) {
-      const double distance = DistanceToSegment(curve_[i], from, to);
-      if (distance > farthest) farthest = distance, split = i;
+    for (uint32_t k = a.segment + 1; k < end; ++k) {
+      const double distance = DistanceToSegment(curve_[k], from, to);
+      if (distance > farthest) farthest = distance, vertex = k % static_cast<uint32_t>(curve_.size());
     }
-    if (split == 0 || depth == 0) return;
-    const CurvePoint middle{split, 0};
-    RefineChord(a, middle, depth - 1);
-    points_.push_back(middle);
-    RefineChord(middle, b, depth - 1);
+    return vertex;
   }
 
   const ClosedCurve& curve_;

@@ -10,10 +10,13 @@ namespace meshfront {
 inline constexpr double kCornerCosine = 0.70710678118654752440;
 // Vertices looked at on each side when a chord is sought: bounds the work where a curve is very fine against g.
 inline constexpr size_t kChordReach = 64;
-// A chord may leave skipped parts of the curve at most this far aside, as a share of its length: the sagitta of an arc of 1.5
-// radians. Sizing samples along curves keep it below that; this is the net under noise and hairpins.
+// A chord may leave skipped parts of the curve at most this far aside, as a share of its length or of g: the sagitta of an arc of
+// 1.5 radians. Sizing samples along curves keep it below that; this is the net under noise and hairpins.
 inline constexpr double kMaxSagittaShare = 0.2;
-inline constexpr int kMaxRefinements = 8;  // halvings of one chord
+inline constexpr int kMaxRefinements = 4;  // rounds in which such places get a vertex
+// Corners, and vertices added in that way, are at least this share of g apart along the curve, lest front edges become so
+// short that no good triangle grows from them.
+inline constexpr double kMinAnchorDistance = 0.6;
 // More points than this on one curve are refused: the field is finer than any output that could be wanted.
 inline constexpr size_t kMaxCurvePoints = size_t{1} << 22;
 inline constexpr size_t kStopInterval = 4096;  // steps between two looks at the context: below a millisecond

@@ -129,7 +129,7 @@ TEST(CurveResampling, GivesThreeSpanningVerticesOfATinyCurve) {
   }
 }
 
-TEST(CurveResampling, StaysWithinAFifthOfAChordOfHairpins) {
+TEST(CurveResampling, FollowsHairpinsThatTheFieldWouldStepAcross) {
   // A comb of hairpins 1 high and 0.2 wide, in a field of 0.5 that would step across them.
   std::vector<Vec3> points;
   for (int i = 0; i < 10; ++i) {
@@ -150,7 +150,7 @@ TEST(CurveResampling, StaysWithinAFifthOfAChordOfHairpins) {
     }
     farthest = std::max(farthest, nearest);
   }
-  EXPECT_LT(farthest, 0.15);
+  EXPECT_LT(farthest, 0.3);  // 0.6 g, the least distance between such vertices; 1 without them
 }
 
 TEST(CurveResampling, EndsOnCurvesWithRepeatedPlaces) {
