@@ -1,0 +1,29 @@
+#include "core/io/format_table.h"
+
+#include "core/io/obj.h"
+#include "core/io/off.h"
+#include "core/io/ply.h"
+#include "core/io/stl.h"
+#include "core/io/xyz.h"
+
+namespace meshfront {
+
+const std::vector<FormatRow>& FormatTable() {
+  static const std::vector<FormatRow>* const table = new std::vector<FormatRow>{
+      {Format::kPly, "PLY", {"ply"}, IsPly, ReadPly, WritePly},
+      {Format::kOff, "OFF", {"off", "coff", "noff", "cnoff"}, IsOff, ReadOff, WriteOff},
+      {Format::kStl, "STL", {"stl", "stla", "stlb"}, IsStl, ReadStl, WriteStl},
+      {Format::kObj, "OBJ", {"obj"}, nullptr, ReadObj, WriteObj},
+      {Format::kXyz, "XYZ", {"xyz", "xyzn", "pts", "asc"}, nullptr, ReadXyz, WriteXyz},
+  };
+  return *table;
+}
+
+const FormatRow* FindFormat(Format format) {
+  for (const FormatRow& row : FormatTable()) {
+    if (row.format == format) return &row;
+  }
+  return nullptr;
+}
+
+}  // namespace meshfront

@@ -1,0 +1,69 @@
+// Meshes and point sets in files: the public door of this room.
+//
+// Reading trusts nothing: counts in headers are checked against the bytes that are there before anything is allocated, every
+// index is checked, and memory stays below 20 times the (decompressed) file. What can't be trusted is refused with
+// InvalidArgument and one sentence that says what and where ("bunny.off: line 7: …").
+//
+//   MESHFRONT_ASSIGN_OR_RETURN(ReadResult read, ReadMeshFile("bunny.off"));
+//   for (const std::string& warning : read.warnings) std::cerr << warning << "\n";
+//   MESHFRONT_RETURN_IF_ERROR(WriteMeshFile("bunny.glb", read.mesh));
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/types/span.h"
+#include "core/mesh/triangle_mesh.h"
+
+namespace meshfront {
+
+// The rows of the table in format_table.h.
+enum class Format { kUnknown, kOff, kObj, kPly, kStl, kGlb, kGltf, kXyz };
+
+// The format an ending stands for: "a/b.PLY.gz", ".ply" and "ply" are all kPly. Only the last ending counts, after ".gz" is
+// taken off; case does not matter. kUnknown when no format claims it.
+Format FormatOfName(std::string_view name_or_extension);
+// "OFF", "PLY", … for messages; "unknown" for kUnknown.
+std::string_view FormatName(Format format);
+
+struct ReadLimits {
+  uint64_t max_decompressed_bytes = 4ull << 30;  // of a file after gzip, and of all buffers a glTF file names together
+};
+
+struct ReadResult {
+  TriangleMesh mesh;     // at least one vertex; every index in range; coordinates may be infinite or NaN
+  Format format = Format::kUnknown;  // what the content turned out to be
+  // One sentence each: a wrong ending, a count that lies, coordinates that are not finite, faces of fewer than three corners.
+  // Attributes that were left behind are listed in mesh.dropped_attributes.
+  std::vector<std::string> warnings;
+};
+
+// Reads one mesh, gzip-compressed or not. The ending proposes a format, the content decides (with a warning when they differ).
+// Polygons are cut into triangles: convex ones into a fan, others by ear clipping. Corners of STL files are welded where their
+// coordinates are equal (0 and -0 are), nothing else is welded. Normals are kept for point sets only; they are scaled to unit
+// length, and one that is zero or not finite becomes zero (with a warning; when all are, there are none).
+// NotFound when the file can't be opened; InvalidArgument for what it holds; Unavailable when reading breaks off.
+absl::StatusOr<ReadResult> ReadMeshFile(const std::string& path, const ReadLimits& limits = {});
+
+// The same for bytes in memory. `name_for_messages` starts every message. A glTF file may name buffers in files inside
+// `base_folder` (symbolic links are followed and must stay inside); when that is empty, none are opened.
+absl::StatusOr<ReadResult> ReadMesh(absl::Span<const uint8_t> bytes, Format format, const std::string& name_for_messages,
+                                    const ReadLimits& limits = {}, const std::string& base_folder = "");
+
+// Writes a mesh (or, except in STL, a point set) to a temporary name in the same folder, syncs it, and renames it: at every
+// moment there is the old file or the new one, and after a failure no trace. A name that ends in ".gz" is compressed; a
+// symbolic link is followed; a pipe or device is written straight. The format comes from the ending when it is kUnknown.
+// Coordinates survive exactly in OFF, OBJ, XYZ (shortest text that reads back to the same double) and PLY (doubles); STL, GLB
+// and glTF hold 32 bits, the latter two relative to the centre when the mesh is far from the origin.
+// InvalidArgument: no format, an empty mesh, an index out of range, a value the format can't hold. Otherwise what the system
+// said: NotFound, PermissionDenied, ResourceExhausted (disk full), …
+absl::Status WriteMeshFile(const std::string& path, const TriangleMesh& mesh, Format format = Format::kUnknown);
+
+// The bytes WriteMeshFile would write.
+absl::StatusOr<std::string> FormatMesh(const TriangleMesh& mesh, Format format);
+
+}  // namespace meshfront
