@@ -1,0 +1,45 @@
+// One announced array of an upload, written block by block into the vector it belongs to.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/strings/string_view.h"
+#include "core/mesh/triangle_mesh.h"
+#include "meshfront/v1/mesh.pb.h"
+
+namespace meshfront {
+
+// Elements may straddle blocks. The vector grows with what came, never beyond what was announced.
+class ArrayWriter {
+ public:
+  // Three doubles (or floats, widened) an element. The vector outlives the writer, as in the other two.
+  static ArrayWriter ForPoints(v1::Array array, std::vector<Vec3>* out, uint64_t count, v1::ScalarType scalar_type);
+  static ArrayWriter ForTriangles(std::vector<Triangle>* out, uint64_t count);
+  static ArrayWriter ForFile(std::vector<uint8_t>* out, uint64_t bytes);
+  // Counted and checked, but not kept.
+  static ArrayWriter ForNothing(v1::Array array, uint64_t bytes);
+
+  v1::Array array() const { return array_; }
+  uint64_t announced_bytes() const { return announced_; }
+  uint64_t received_bytes() const { return received_; }
+  bool whole() const { return received_ == announced_; }
+
+  // InvalidArgument when `offset` is not what was received so far, or `data` is empty or goes beyond what was announced.
+  absl::Status Write(uint64_t offset, absl::string_view data);
+
+ private:
+  using Store = std::function<void(uint64_t offset, absl::string_view data)>;
+  ArrayWriter(v1::Array array, uint64_t announced, Store store)
+      : array_(array), announced_(announced), store_(std::move(store)) {}
+
+  v1::Array array_;
+  uint64_t announced_;
+  uint64_t received_ = 0;
+  Store store_;
+};
+
+}  // namespace meshfront

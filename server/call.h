@@ -1,0 +1,80 @@
+// One call, without the types of its rpc: the upload, the job, the end. The reactors hand on what gRPC tells them.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/time/clock.h"
+#include "server/input_assembler.h"
+#include "server/job.h"
+#include "server/service_state.h"
+
+namespace meshfront {
+
+// Messages come one at a time; OnCancel may come at any time, from any thread.
+class Call {
+ public:
+  struct Peer {
+    std::string rpc;      // for the log
+    std::string address;  // for the log
+    absl::Time deadline = absl::InfiniteFuture();
+  };
+  using Run = void (*)(ServiceState&, Job&);
+
+  // `writer` is the reactor that owns this call. `run` runs the job.
+  Call(ServiceState& state, Peer peer, EventWriter* writer, Run run);
+  ~Call();
+
+  // Lets the call in, or ends it. True: read.
+  bool Begin();
+  // Takes a message. True: read the next one.
+  template <class Request>
+  bool OnMessage(const Request& request) {
+    return AfterMessage(Assemble(request));
+  }
+  // The client said no more before the input was whole.
+  void OnInputCut();
+  void OnCancel();
+  void OnWritten(bool ok) { events_->OnWritten(ok); }
+  // The writer's EndCall calls this: releases what the call holds and writes the log line.
+  void OnEnded(const absl::Status& status);
+
+  const Job& job() const { return *job_; }
+
+ private:
+  template <class Request>
+  absl::Status Assemble(const Request& request) {
+    const uint64_t before = assembler_.bytes();
+    const bool had_header = assembler_.has_header();
+    const absl::Status status = assembler_.AcceptMessage(request);
+    NoteForLog();
+    if (!status.ok()) return status;
+    if (!had_header) return state_.pool.CheckRoom();
+    return job_->lease.Take(assembler_.bytes() - before);
+  }
+  // What the log line says of the upload: the call may end on another thread than the one that reads.
+  void NoteForLog();
+  bool AfterMessage(const absl::Status& status);
+  void Submit();
+  v1::MeshEvent AcceptedEvent(uint32_t position, const Box3& bounds) const;
+  absl::Status CancelStatus() const;
+
+  ServiceState& state_;
+  const Peer peer_;
+  const Run run_;
+  const std::shared_ptr<EventStream> events_;
+  const std::shared_ptr<Job> job_;
+  InputAssembler assembler_;
+  std::mutex noted_mutex_;
+  std::string noted_request_id_;
+  uint64_t noted_bytes_ = 0;
+  std::atomic<bool> entered_{false};
+  std::atomic<uint64_t> watch_id_{0};
+  std::atomic<uint64_t> ticket_{0};
+};
+
+}  // namespace meshfront

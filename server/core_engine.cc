@@ -1,0 +1,14 @@
+#include "server/engine.h"
+
+namespace meshfront {
+
+Engine CoreEngine() {
+  return {.remesh = [](Problem problem, MeshSink& sink, const Context& context) {
+            return Remesh(std::move(problem), sink, context);
+          },
+          .estimate = [](Problem problem, const Context& context) {
+            return EstimateRemesh(std::move(problem), context);
+          }};
+}
+
+}  // namespace meshfront

@@ -1,0 +1,201 @@
+// A job, step by step: 1 ParseInput (files only), 2 AnnounceDefects (when nothing is to be repaired), 3 the engine into the
+// sink, 4 the summary, 5 wait until the reader has everything, 6 close.
+#include "server/job.h"
+
+#include <sys/resource.h>
+
+#include <exception>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "core/base/status_macros.h"
+#include "proto/wire/convert.h"
+#include "proto/wire/errors.h"
+#include "server/stream_sink.h"
+#include "server/version.h"
+
+namespace meshfront {
+namespace {
+
+// Progress that comes faster than this is dropped, except where the stage or the prediction changes.
+constexpr absl::Duration kProgressInterval = absl::Milliseconds(50);
+
+uint64_t PeakRssBytes() {
+  struct rusage usage {};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+struct ParsedInput {
+  TriangleMesh mesh;
+  std::vector<std::string> warnings;
+  std::vector<std::string> dropped_attributes;
+};
+
+absl::StatusOr<ParsedInput> ParseInput(const ServiceState& state, AssembledInput input) {
+  ParsedInput parsed;
+  if (input.file.empty()) {
+    parsed.mesh = std::move(input.mesh);
+  } else {
+    ReadLimits limits;
+    limits.max_decompressed_bytes = state.config.limits.max_input_bytes;
+    MESHFRONT_ASSIGN_OR_RETURN(ReadResult read, ReadMesh(input.file, input.format, input.file_name, limits));
+    parsed.mesh = std::move(read.mesh);
+    parsed.warnings = std::move(read.warnings);
+  }
+  parsed.dropped_attributes = parsed.mesh.dropped_attributes;
+  return parsed;
+}
+
+// Tells progress to the call, thinned out.
+class ProgressTeller {
+ public:
+  explicit ProgressTeller(EventStream& events) : events_(events) {}
+
+  void operator()(const Progress& progress) {
+    const bool news = !told_ || progress.stage != last_.stage || progress.predicted_triangles != last_.predicted_triangles;
+    const absl::Time now = absl::Now();
+    if (!news && now - told_at_ < kProgressInterval) return;
+    told_ = true;
+    told_at_ = now;
+    last_ = progress;
+    events_.SetProgress(ProgressToProto(progress));
+  }
+
+ private:
+  EventStream& events_;
+  bool told_ = false;
+  absl::Time told_at_;
+  Progress last_;
+};
+
+Context ContextOf(const Job& job) {
+  Context context;
+  context.stop = &job.stop;
+  context.deadline = job.deadline;
+  context.threads = job.threads;
+  context.progress = ProgressTeller(*job.events);
+  return context;
+}
+
+// With repair off the engine refuses with the first defects; the caller gets a list.
+absl::Status AnnounceDefects(const Job& job, const TriangleMesh& mesh) {
+  if (job.options.repair || mesh.IsPointSet()) return absl::OkStatus();
+  for (const Defect& defect : FindDefects(mesh, kMaxListedDefects).defects) {
+    v1::MeshEvent event;
+    *event.mutable_defect() = DefectToProto(defect);
+    MESHFRONT_RETURN_IF_ERROR(job.events->Push(std::move(event)));
+  }
+  return absl::OkStatus();
+}
+
+// The times that the server measures, beside those of core.
+struct JobTimes {
+  absl::Time started, parsed, done;
+};
+
+void FillSeconds(const Job& job, const JobTimes& times, v1::Seconds& seconds) {
+  seconds.set_upload(absl::ToDoubleSeconds(job.upload_end - job.upload_begin));
+  seconds.set_queued(absl::ToDoubleSeconds(times.started - job.upload_end));
+  seconds.set_read(absl::ToDoubleSeconds(times.parsed - times.started));
+  seconds.set_engine(absl::ToDoubleSeconds(times.done - times.parsed));
+}
+
+template <class Message>
+void FillCommon(const ParsedInput& input, Message& message) {
+  message.set_version(kVersion);
+  for (const std::string& name : input.dropped_attributes) message.add_dropped_attributes(name);
+  for (const std::string& warning : input.warnings) message.add_warnings(warning);
+}
+
+void FillSummary(const Job& job, const JobTimes& times, const StreamSink& sink, v1::Summary& summary) {
+  FillSeconds(job, times, *summary.mutable_seconds());
+  if (sink.first_triangle()) {
+    summary.mutable_seconds()->set_first_chunk(absl::ToDoubleSeconds(*sink.first_triangle() - job.upload_end));
+  }
+  summary.mutable_seconds()->set_stalled(absl::ToDoubleSeconds(job.events->stalled()));
+  summary.set_chunks(sink.builder().chunks());
+  summary.set_chunks_crc32c(sink.builder().chunks_crc32c());
+  summary.set_server_peak_rss_bytes(PeakRssBytes());
+}
+
+absl::Status RemeshBody(ServiceState& state, Job& job) {
+  JobTimes times;
+  times.started = absl::Now();
+  MESHFRONT_ASSIGN_OR_RETURN(ParsedInput input, ParseInput(state, std::move(job.input)));
+  times.parsed = absl::Now();
+  const Context context = ContextOf(job);
+  MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
+  MESHFRONT_RETURN_IF_ERROR(AnnounceDefects(job, input.mesh));
+  StreamSink sink(*job.events, job.output);
+  MESHFRONT_ASSIGN_OR_RETURN(const Report report,
+                             state.engine.remesh({std::move(input.mesh), job.options}, sink, context));
+  times.done = absl::Now();
+  MESHFRONT_RETURN_IF_ERROR(sink.Flush());
+  job.summary = SummaryFromReport(report);
+  FillCommon(input, job.summary);
+  FillSummary(job, times, sink, job.summary);
+  v1::MeshEvent event;
+  *event.mutable_summary() = job.summary;
+  MESHFRONT_RETURN_IF_ERROR(job.events->Push(std::move(event)));
+  return job.events->Drain();
+}
+
+absl::Status EstimateBody(ServiceState& state, Job& job) {
+  JobTimes times;
+  times.started = absl::Now();
+  MESHFRONT_ASSIGN_OR_RETURN(ParsedInput input, ParseInput(state, std::move(job.input)));
+  times.parsed = absl::Now();
+  Context context = ContextOf(job);
+  context.progress = nullptr;
+  MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
+  MESHFRONT_ASSIGN_OR_RETURN(const Estimate estimate,
+                             state.engine.estimate({std::move(input.mesh), job.options}, context));
+  times.done = absl::Now();
+  job.estimate = EstimateToProto(estimate);
+  FillCommon(input, job.estimate);
+  FillSeconds(job, times, *job.estimate.mutable_seconds());
+  return absl::OkStatus();
+}
+
+// What may leave the server: of a fault, the id and nothing of the inside.
+absl::Status Presentable(ServiceState& state, const Job& job, const absl::Status& status) {
+  switch (status.code()) {
+    case absl::StatusCode::kOk:
+    case absl::StatusCode::kInvalidArgument:
+    case absl::StatusCode::kFailedPrecondition:
+    case absl::StatusCode::kResourceExhausted:
+    case absl::StatusCode::kUnavailable:
+    case absl::StatusCode::kUnimplemented:
+    case absl::StatusCode::kDataLoss:
+    case absl::StatusCode::kAborted:
+    case absl::StatusCode::kCancelled:
+    case absl::StatusCode::kDeadlineExceeded:
+      return status;
+    default:
+      break;
+  }
+  state.log->Write({{"fault", status.ToString()}, {"job", job.id}});
+  return WithReason(absl::InternalError(absl::StrCat("internal error in job ", job.id, "; the server's log says more")), "INTERNAL",
+                    {{"job_id", job.id}});
+}
+
+template <class Body>
+void RunGuarded(ServiceState& state, Job& job, Body body) {
+  absl::Status status;
+  try {
+    status = body(state, job);
+  } catch (const std::exception& e) {
+    status = absl::InternalError(absl::StrCat("exception: ", e.what()));
+  } catch (...) {
+    status = absl::InternalError("exception of unknown type");
+  }
+  job.events->Close(Presentable(state, job, status));
+}
+
+}  // namespace
+
+void RunRemesh(ServiceState& state, Job& job) { RunGuarded(state, job, RemeshBody); }
+void RunEstimate(ServiceState& state, Job& job) { RunGuarded(state, job, EstimateBody); }
+
+}  // namespace meshfront

@@ -1,0 +1,3 @@
+#include "server/serve_main.h"
+
+int main(int argc, char** argv) { return meshfront::ServeMain(argc, argv); }
