@@ -1,7 +1,8 @@
-// SearchApex: 1. begin with the faces of the edge's two ends (FaceQueue); 2. for each face that straddles the circle's plane look
-// at both crossings (KeepBetterCrossings); 3. go on over its sides to faces that meet the ball around edge and circle, adding up
-// the way (closest point of each side passed to the one before), so that another sheet that is connected only around a rim far
-// away stays out of reach.
+// SearchApex: 1. begin below the circle's centre, reached from either end of the edge; 2. follow the section of the surface with the
+// circle's plane, both ways, from face to face (FaceQueue) as long as they meet the ball around edge and circle, adding up the
+// way, so that a sheet that is connected only around a rim far away stays out of reach; 3. look at both crossings of each face
+// with the circle (KeepBetterCrossings).
+// Rejected: all connected faces in the ball; 200 µs where an edge is as long as 20 of the input's, for the same hits.
 // Rejected: a box query of the bounding volume hierarchy. It finds the other side of a thin plate as readily as this one.
 #include "core/surface/apex_search.h"
 
@@ -77,17 +78,26 @@ double FrontAgreement(const ApexQuery& query, const Vec3& apex, const Vec3& surf
 
 std::optional<FaceHit> SearchApex(const FaceView& mesh, absl::Span<const Vec3> normals, const ApexQuery& query) {
   thread_local FaceQueue queue;
-  const Vec3& center = query.circle.center;
-  const double ball = std::max({query.circle.radius, Distance(center, query.a.position), Distance(center, query.b.position)});
+  const PlacementCircle& circle = query.circle;
+  const double ball =
+      std::max({circle.radius, Distance(circle.center, query.a.position), Distance(circle.center, query.b.position)});
   const double longest_way = kMaxDetour * ball;
   BestHit best;
   queue.Clear();
-  for (const SourcePoint* end : {&query.a, &query.b}) queue.Add({end->patch, 0, end->position});
+  for (const SourcePoint* end : {&query.a, &query.b}) {
+    const FaceHit foot = DescendToClosest(mesh, end->patch, circle.center);
+    queue.Add({foot.face, 0, foot.position});
+  }
+  bool on_section = false;
   for (size_t i = 0; i < queue.size() && i < kMaxSearchFaces; ++i) {
     const FaceQueue::Entry at = queue[i];
-    if (StraddlesCirclePlane(mesh, at.face, query.circle)) KeepBetterCrossings(mesh, normals, query, at, longest_way, best);
+    const bool straddles = StraddlesCirclePlane(mesh, at.face, circle);
+    if (straddles) KeepBetterCrossings(mesh, normals, query, at, longest_way, best);
+    on_section |= straddles;
+    if (!straddles && (on_section || i >= kMaxFootFaces)) continue;
     queue.AddAcross(mesh, at, longest_way, [&](uint32_t face) {
-      return ClosestOnFace(mesh, face, center).squared_distance <= ball * ball;
+      return (!straddles || StraddlesCirclePlane(mesh, face, circle)) &&
+             ClosestOnFace(mesh, face, circle.center).squared_distance <= ball * ball;
     });
   }
   return best.hit;

@@ -23,9 +23,9 @@ std::optional<ApexQuery> CreateApexQuery(const SourcePoint& a, const SourcePoint
 // triangle has no area, or when `surface_normal` (at the apex, any length) turns away from the triangle: another sheet.
 double FrontAgreement(const ApexQuery& query, const Vec3& apex, const Vec3& surface_normal);
 
-// Looks at every face that is connected to the source faces inside the ball that holds edge and circle, not farther along the
-// surface than kMaxDetour, and returns the crossing with the best FrontAgreement of at least kMinFrontAgreement. `normals` are
-// those of the vertices. 20 ns a face; uses scratch memory of the calling thread (below 1 MB).
+// Follows the section of the surface with the circle's plane, from below the circle's centre, inside the ball that holds edge and
+// circle and not farther along the surface than kMaxDetour, and returns the crossing with the best FrontAgreement of at least
+// kMinFrontAgreement. `normals` are those of the vertices. 50 ns a face; uses scratch memory of the calling thread.
 std::optional<FaceHit> SearchApex(const FaceView& mesh, absl::Span<const Vec3> normals, const ApexQuery& query);
 
 // The blend of a face's vertex normals at a point of it, not normalised.

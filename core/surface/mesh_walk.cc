@@ -1,6 +1,7 @@
-// DescendToClosest: 1. ClosestOnFace of the current face; 2. if the point lies inside, done; 3. on an edge look across it, at a
-// corner look around it (ClosestAround); 4. move while the distance strictly decreases. The distance of a face is a function of
-// the face alone, so a strict decrease can't come back to one.
+// DescendToClosest: 1. run ahead over the side that the target lies beyond (WalkTowards), which is cheap; 2. ClosestOnFace there,
+// if that is closer than at the start; 3. if the point lies inside, done; 4. on an edge look across it, at a corner look around
+// it (ClosestAround); 5. move while the distance strictly decreases. The distance of a face is a function of the face alone, so a
+// strict decrease can't come back to one.
 // WalkToCircle: 1. descend to the face under the circle's middle of the open side; 2. cross the circle with that face's plane;
 // 3. the crossing inside the face is the hit, else go on over the edge that it lies beyond.
 //
@@ -65,6 +66,42 @@ WalkPoint ClosestAround(const FaceView& mesh, const WalkPoint& best, const Vec3&
   }
 }
 
+// Where the target lies against a face, seen along its normal: weights of the corners times `det`, which is 4 × area².
+struct PlaneWeights {
+  double w, u, v, det;
+};
+inline PlaneWeights WeightsInPlane(const FaceView& mesh, uint32_t face, const Vec3& target) {
+  const Vec3& a = mesh.Corner(face, 0);
+  const Vec3 e1 = mesh.Corner(face, 1) - a, e2 = mesh.Corner(face, 2) - a, d = target - a;
+  const double g11 = SquaredNorm(e1), g12 = Dot(e1, e2), g22 = SquaredNorm(e2);
+  const double b1 = Dot(d, e1), b2 = Dot(d, e2), det = g11 * g22 - g12 * g12;
+  const double u = g22 * b1 - g12 * b2, v = g11 * b2 - g12 * b1;
+  return {det - u - v, u, v, det};
+}
+
+// The face over which the target lies, or where the way there ends: at a rim, at a ridge (the way back is the only one), or in a
+// circle, found by comparing with the face of the last step that was a power of two.
+uint32_t WalkTowards(const FaceView& mesh, uint32_t start, const Vec3& target) {
+  uint32_t face = start, before = kNoHalfEdge, marked = start;
+  for (uint32_t step = 1, mark = 1; step < kMaxWalkSteps; ++step) {
+    const PlaneWeights at = WeightsInPlane(mesh, face, target);
+    const double beyond[3] = {-at.v, -at.w, -at.u};  // half-edge i faces the corner of this weight
+    uint32_t next = kNoHalfEdge;
+    double farthest = 0;
+    for (int side = 0; side < 3; ++side) {
+      const uint32_t across = mesh.opposite[3 * face + side];
+      if (!(beyond[side] > farthest) || across == kNoHalfEdge || across / 3 == before) continue;
+      farthest = beyond[side];
+      next = across / 3;
+    }
+    if (next == kNoHalfEdge || next == marked) return face;
+    before = face;
+    face = next;
+    if (step == mark) marked = face, mark *= 2;
+  }
+  return face;
+}
+
 }  // namespace
 
 WalkPoint ClosestOnFace(const FaceView& mesh, uint32_t face, const Vec3& target) {
@@ -94,6 +131,11 @@ WalkPoint ClosestOnFace(const FaceView& mesh, uint32_t face, const Vec3& target)
 
 FaceHit DescendToClosest(const FaceView& mesh, uint32_t start, const Vec3& target) {
   WalkPoint best = ClosestOnFace(mesh, start, target);
+  if (best.region != 0) {
+    const uint32_t ahead = WalkTowards(mesh, start, target);
+    const WalkPoint there = ahead == start ? best : ClosestOnFace(mesh, ahead, target);
+    if (there.squared_distance < best.squared_distance) best = there;
+  }
   while (best.region != 0) {
     WalkPoint other;
     if (best.region >= 4) {

@@ -36,7 +36,7 @@ struct WalkPoint {
 WalkPoint ClosestOnFace(const FaceView& mesh, uint32_t face, const Vec3& target);
 
 // Descends the distance to `target` from face to face, across edges and around vertices, as long as it strictly decreases: ends
-// in a local minimum, never runs in circles. 15 ns a face.
+// in a local minimum, never runs in circles. 10 ns a face on the way, 100 ns at its end.
 FaceHit DescendToClosest(const FaceView& mesh, uint32_t start, const Vec3& target);
 
 // A circle and the half of it that counts: where two spheres meet, towards `side`.

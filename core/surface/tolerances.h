@@ -20,6 +20,8 @@ inline constexpr double kParallelSquared = 1e-24;
 inline constexpr double kMinFrontAgreement = 0.2;
 // And with the surface's at the apex by more than this: otherwise the apex lies on another sheet.
 inline constexpr double kMinApexAgreement = 0.0;
+// Steps of the walk to a target before the careful descent takes over: the longest ways are a few hundred faces.
+inline constexpr uint32_t kMaxWalkSteps = 4096;
 // Steps of the walk along the circle before the search takes over; beyond a dozen it runs in circles.
 inline constexpr int kMaxCircleSteps = 64;
 // Diagonals of a mesh: their fourth powers, which the fits form, stay well inside the range of double.
@@ -31,7 +33,9 @@ inline constexpr double kSeedFlatness = 0.1;
 // The search goes no farther along the surface than this many radii of the ball around the circle.
 inline constexpr double kMaxDetour = 2.5;
 // Faces that one search may visit: bounds the time where an edge is long against the input.
-inline constexpr size_t kMaxSearchFaces = 20000;
+inline constexpr size_t kMaxSearchFaces = 4096;
+// Faces around the foot of the circle that are looked at for one in the circle's plane.
+inline constexpr size_t kMaxFootFaces = 64;
 
 // Two places of a surface face each other when the cosine between their normals is below this.
 inline constexpr double kOpposed = -0.2;
