@@ -42,6 +42,8 @@ inline constexpr double kOpposed = -0.2;
 // They are different sheets when the way along the surface is longer than this many distances: a limb (π/2) and the walls of a
 // groove wider than 37° (3) are left to the curvature.
 inline constexpr double kOtherSheetDetour = 3;
+// A vertex nearer to a probe than this part of the probe's search limit needs no probe of its own.
+inline constexpr double kProbeReach = 0.25;
 // Faces looked at for such a way; where it is not found among them it is long in faces too.
 inline constexpr size_t kMaxDetourFaces = 200;
 
