@@ -22,7 +22,10 @@ absl::Status ForEachBlock(const BufferedFile& file, uint64_t count,
   return absl::OkStatus();
 }
 
-Vec3 RoundedToFloat(const Vec3& p) { return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}; }
+template <class Record>
+absl::string_view BytesOf(absl::Span<const Record> records) {
+  return {reinterpret_cast<const char*>(records.data()), records.size() * sizeof(Record)};
+}
 
 }  // namespace
 
@@ -36,11 +39,11 @@ absl::StatusOr<ChunkSpool> ChunkSpool::Create(const std::string& folder) {
 }
 
 absl::Status ChunkSpool::Append(absl::Span<const SpooledVertex> vertices, absl::Span<const Triangle> triangles) {
-  for (const SpooledVertex& v : vertices) float_bounds_.Extend(RoundedToFloat(v.position));
+  for (const SpooledVertex& v : vertices) bounds_.Extend(v.position);
   vertex_count_ += vertices.size();
   triangle_count_ += triangles.size();
-  MESHFRONT_RETURN_IF_ERROR(vertices_->Append(vertices.data(), vertices.size() * sizeof(SpooledVertex)));
-  return triangles_->Append(triangles.data(), triangles.size() * sizeof(Triangle));
+  MESHFRONT_RETURN_IF_ERROR(vertices_->Append(BytesOf(vertices)));
+  return triangles_->Append(BytesOf(triangles));
 }
 
 absl::Status ChunkSpool::Finish() {

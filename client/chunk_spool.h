@@ -35,8 +35,7 @@ class ChunkSpool {
 
   uint64_t vertex_count() const { return vertex_count_; }
   uint64_t triangle_count() const { return triangle_count_; }
-  // Of all vertices, their coordinates rounded to float32: what a GLB must announce.
-  const Box3& float_bounds() const { return float_bounds_; }
+  const Box3& bounds() const { return bounds_; }  // of all vertices
 
   // In order, in blocks of bounded size; stops at the first status that is not OK and returns it.
   absl::Status ForEachVertexBlock(const std::function<absl::Status(absl::Span<const SpooledVertex>)>& body) const;
@@ -50,7 +49,7 @@ class ChunkSpool {
 
   std::unique_ptr<BufferedFile> vertices_, triangles_;
   uint64_t vertex_count_ = 0, triangle_count_ = 0;
-  Box3 float_bounds_;
+  Box3 bounds_;
 };
 
 // Positions of spooled vertices by id, through a cache of fixed size (2.5 MB): triangles name vertices that came shortly before.

@@ -3,10 +3,14 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include <cerrno>
+#include <climits>
+#include <cstdlib>
 #include <cstring>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "core/base/status_macros.h"
 
@@ -41,12 +45,11 @@ BufferedFile::~BufferedFile() {
   if (descriptor_ > STDERR_FILENO) close(descriptor_);
 }
 
-absl::Status BufferedFile::Append(const void* bytes, size_t count) {
-  const char* from = static_cast<const char*>(bytes);
-  size_ += count;
-  if (buffer_.size() + count > kBufferBytes) MESHFRONT_RETURN_IF_ERROR(Flush());
-  if (count >= kBufferBytes) return WriteThrough(from, count);
-  buffer_.append(from, count);
+absl::Status BufferedFile::Append(absl::string_view bytes) {
+  size_ += bytes.size();
+  if (buffer_.size() + bytes.size() > kBufferBytes) MESHFRONT_RETURN_IF_ERROR(Flush());
+  if (bytes.size() >= kBufferBytes) return WriteThrough(bytes.data(), bytes.size());
+  buffer_.append(bytes.data(), bytes.size());
   return absl::OkStatus();
 }
 
@@ -83,7 +86,12 @@ absl::Status BufferedFile::Close() {
   MESHFRONT_RETURN_IF_ERROR(Flush());
   const int descriptor = descriptor_;
   descriptor_ = -1;
-  // A network file system may tell of a full disk only here.
+  // Without this a power cut soon after the rename could leave an empty file. EINVAL: a pipe or a device.
+  if (fsync(descriptor) != 0 && errno != EINVAL && errno != ENOTSUP && errno != EROFS) {
+    const int error = errno;
+    if (descriptor > STDERR_FILENO) close(descriptor);
+    return SystemError(name_, "can't be written", error);
+  }
   if (descriptor > STDERR_FILENO && close(descriptor) != 0) return SystemError(name_, "can't be written", errno);
   return absl::OkStatus();
 }
@@ -96,14 +104,59 @@ absl::StatusOr<std::unique_ptr<BufferedFile>> CreateSpoolFile(const std::string&
   return std::make_unique<BufferedFile>(descriptor, absl::StrCat("the spool file in ", folder));
 }
 
-std::string FolderOf(const std::string& path) {
+std::string SpoolFolderFor(const std::string& path) {
+  struct stat existing;
+  const bool special = path == "-" || (stat(path.c_str(), &existing) == 0 && !S_ISREG(existing.st_mode));
+  const char* temporary = std::getenv("TMPDIR");
+  if (special) return temporary != nullptr && *temporary != '\0' ? temporary : "/tmp";
   const size_t slash = path.rfind('/');
   if (slash == std::string::npos) return ".";
   return slash == 0 ? "/" : path.substr(0, slash);
 }
 
+// Compresses what is appended into another sink, with buffers of fixed size.
+class OutputFile::GzipSink : public ByteSink {
+ public:
+  explicit GzipSink(ByteSink& next) : next_(next) {
+    constexpr int window_bits = 15, gzip_header = 16, memory_level = 8;
+    ready_ = deflateInit2(&stream_, Z_DEFAULT_COMPRESSION, Z_DEFLATED, window_bits + gzip_header, memory_level,
+                          Z_DEFAULT_STRATEGY) == Z_OK;
+  }
+  ~GzipSink() override { deflateEnd(&stream_); }
+
+  absl::Status Append(absl::string_view bytes) override { return Compress(bytes, Z_NO_FLUSH); }
+  absl::Status Finish() { return Compress({}, Z_FINISH); }
+  const std::string& name() const override { return next_.name(); }
+
+ private:
+  absl::Status Compress(absl::string_view bytes, int flush) {
+    if (!ready_) return absl::InternalError(absl::StrCat(name(), " can't be compressed: out of memory"));
+    stream_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+    stream_.avail_in = static_cast<uInt>(bytes.size());
+    do {
+      char out[16 << 10];
+      stream_.next_out = reinterpret_cast<Bytef*>(out);
+      stream_.avail_out = sizeof(out);
+      deflate(&stream_, flush);
+      MESHFRONT_RETURN_IF_ERROR(next_.Append({out, sizeof(out) - stream_.avail_out}));
+    } while (stream_.avail_out == 0);
+    return absl::OkStatus();
+  }
+
+  ByteSink& next_;
+  z_stream stream_{};
+  bool ready_ = false;
+};
+
 OutputFile::OutputFile(std::string path, std::string temporary, std::unique_ptr<BufferedFile> file)
-    : path_(std::move(path)), temporary_(std::move(temporary)), file_(std::move(file)) {}
+    : path_(std::move(path)), temporary_(std::move(temporary)), file_(std::move(file)) {
+  if (absl::EndsWithIgnoreCase(path_, ".gz")) gzip_ = std::make_unique<GzipSink>(*file_);
+}
+
+ByteSink& OutputFile::sink() {
+  if (gzip_ != nullptr) return *gzip_;
+  return *file_;
+}
 
 OutputFile::~OutputFile() {
   if (!temporary_.empty()) unlink(temporary_.c_str());
@@ -122,13 +175,16 @@ absl::StatusOr<std::unique_ptr<OutputFile>> OutputFile::Create(const std::string
     if (descriptor < 0) return SystemError(path, "can't be written", errno);
     return std::unique_ptr<OutputFile>(new OutputFile(path, "", std::make_unique<BufferedFile>(descriptor, path)));
   }
+  char resolved[PATH_MAX];
+  const std::string target = exists && realpath(path.c_str(), resolved) != nullptr ? resolved : path;
   std::string temporary;
-  MESHFRONT_ASSIGN_OR_RETURN(const int descriptor, CreateTemporary(path, path, &temporary));
+  MESHFRONT_ASSIGN_OR_RETURN(const int descriptor, CreateTemporary(target, path, &temporary));
   ApplyUsualPermissions(descriptor);
-  return std::unique_ptr<OutputFile>(new OutputFile(path, temporary, std::make_unique<BufferedFile>(descriptor, path)));
+  return std::unique_ptr<OutputFile>(new OutputFile(target, temporary, std::make_unique<BufferedFile>(descriptor, path)));
 }
 
 absl::Status OutputFile::Commit() {
+  if (gzip_ != nullptr) MESHFRONT_RETURN_IF_ERROR(gzip_->Finish());
   MESHFRONT_RETURN_IF_ERROR(file_->Close());
   if (temporary_.empty()) return absl::OkStatus();
   if (rename(temporary_.c_str(), path_.c_str()) != 0) return SystemError(path_, "can't be written", errno);
@@ -138,7 +194,7 @@ absl::Status OutputFile::Commit() {
 
 absl::Status WriteWholeFile(const std::string& path, absl::string_view bytes) {
   MESHFRONT_ASSIGN_OR_RETURN(const std::unique_ptr<OutputFile> output, OutputFile::Create(path));
-  MESHFRONT_RETURN_IF_ERROR(output->file().Append(bytes));
+  MESHFRONT_RETURN_IF_ERROR(output->sink().Append(bytes));
   return output->Commit();
 }
 

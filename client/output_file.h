@@ -11,26 +11,33 @@
 
 namespace meshfront {
 
+// What a writer appends its bytes to.
+class ByteSink {
+ public:
+  virtual ~ByteSink() = default;
+  virtual absl::Status Append(absl::string_view bytes) = 0;
+  virtual const std::string& name() const = 0;  // for messages
+};
+
 // A file that is appended to through a buffer of fixed size and, when it is seekable, read back. Owns its descriptor. Every error
 // is Internal with the name and what the system says ("OUT.ply can't be written: No space left on device").
-class BufferedFile {
+class BufferedFile : public ByteSink {
  public:
   static constexpr size_t kBufferBytes = 64 << 10;
 
   BufferedFile(int descriptor, std::string name);
-  ~BufferedFile();
+  ~BufferedFile() override;
   BufferedFile(const BufferedFile&) = delete;
   BufferedFile& operator=(const BufferedFile&) = delete;
 
-  absl::Status Append(const void* bytes, size_t count);
-  absl::Status Append(absl::string_view bytes) { return Append(bytes.data(), bytes.size()); }
+  absl::Status Append(absl::string_view bytes) override;
   absl::Status Flush();
   // Reads exactly `count` bytes at `offset`. What was appended must have been flushed.
   absl::Status ReadAt(uint64_t offset, void* bytes, size_t count) const;
-  // Flushes, syncs nothing, and gives the descriptor back to the system; later calls fail.
+  // Flushes, brings a file to the disk, and gives the descriptor back to the system; later calls fail.
   absl::Status Close();
   uint64_t size() const { return size_; }
-  const std::string& name() const { return name_; }
+  const std::string& name() const override { return name_; }
 
  private:
   absl::Status WriteThrough(const char* bytes, size_t count);
@@ -43,11 +50,12 @@ class BufferedFile {
 
 // A nameless file in the folder, gone when it is closed, however the process ends.
 absl::StatusOr<std::unique_ptr<BufferedFile>> CreateSpoolFile(const std::string& folder);
-// The folder that a file lies in: "." for "out.ply".
-std::string FolderOf(const std::string& path);
+// The folder that what becomes `path` is spooled in: its own, where there must be room anyway, or that for temporary files when
+// it is "-", a device or a pipe.
+std::string SpoolFolderFor(const std::string& path);
 
 // One output file. Nothing at `path` changes before Commit; without Commit the temporary file is removed. `-` is standard
-// output, which is written as it comes.
+// output and a device or pipe are written as it comes. A symbolic link is followed. A name that ends in ".gz" is compressed.
 class OutputFile {
  public:
   static absl::StatusOr<std::unique_ptr<OutputFile>> Create(const std::string& path);
@@ -55,14 +63,16 @@ class OutputFile {
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  BufferedFile& file() { return *file_; }
+  ByteSink& sink();
   absl::Status Commit();
 
  private:
+  class GzipSink;
   OutputFile(std::string path, std::string temporary, std::unique_ptr<BufferedFile> file);
 
   std::string path_, temporary_;  // temporary: empty when there is nothing to rename or remove
   std::unique_ptr<BufferedFile> file_;
+  std::unique_ptr<GzipSink> gzip_;  // null when the file is not compressed
 };
 
 // Writes a whole file the same way.

@@ -13,6 +13,7 @@
 namespace meshfront {
 namespace {
 
+using Json = nlohmann::json;
 using Vertices = absl::Span<const SpooledVertex>;
 using Triangles = absl::Span<const Triangle>;
 
@@ -33,7 +34,7 @@ void AppendVec3(const Vec3& v, std::string* bytes) {
 }
 
 // Each triangle as text: `prefix`, then its vertex ids plus `base`.
-absl::Status WriteTriangleLines(const ChunkSpool& spool, absl::string_view prefix, uint32_t base, BufferedFile& file) {
+absl::Status WriteTriangleLines(const ChunkSpool& spool, absl::string_view prefix, uint32_t base, ByteSink& file) {
   return spool.ForEachTriangleBlock([&](Triangles block) {
     std::string lines;
     for (const Triangle& t : block) {
@@ -43,7 +44,7 @@ absl::Status WriteTriangleLines(const ChunkSpool& spool, absl::string_view prefi
   });
 }
 
-absl::Status WriteVertexLines(const ChunkSpool& spool, absl::string_view prefix, BufferedFile& file) {
+absl::Status WriteVertexLines(const ChunkSpool& spool, absl::string_view prefix, ByteSink& file) {
   return spool.ForEachVertexBlock([&](Vertices block) {
     std::string lines;
     for (const SpooledVertex& v : block) {
@@ -57,37 +58,37 @@ absl::Status WriteVertexLines(const ChunkSpool& spool, absl::string_view prefix,
   });
 }
 
-absl::Status WriteOff(const ChunkSpool& spool, BufferedFile& file) {
+absl::Status WriteOff(const ChunkSpool& spool, ByteSink& file) {
   MESHFRONT_RETURN_IF_ERROR(file.Append(absl::StrCat("OFF\n", spool.vertex_count(), " ", spool.triangle_count(), " 0\n")));
   MESHFRONT_RETURN_IF_ERROR(WriteVertexLines(spool, "", file));
   return WriteTriangleLines(spool, "3 ", 0, file);
 }
 
-absl::Status WriteObj(const ChunkSpool& spool, BufferedFile& file) {
+absl::Status WriteObj(const ChunkSpool& spool, ByteSink& file) {
   MESHFRONT_RETURN_IF_ERROR(WriteVertexLines(spool, "v ", file));
   return WriteTriangleLines(spool, "f ", 1, file);
 }
 
-absl::Status WritePly(const ChunkSpool& spool, BufferedFile& file) {
+absl::Status WritePly(const ChunkSpool& spool, ByteSink& file) {
   MESHFRONT_RETURN_IF_ERROR(file.Append(absl::StrCat(
       "ply\nformat binary_little_endian 1.0\ncomment meshfront\nelement vertex ", spool.vertex_count(),
       "\nproperty double x\nproperty double y\nproperty double z\nelement face ", spool.triangle_count(),
       "\nproperty list uchar int vertex_indices\nend_header\n")));
   MESHFRONT_RETURN_IF_ERROR(spool.ForEachVertexBlock([&](Vertices block) -> absl::Status {
-    for (const SpooledVertex& v : block) MESHFRONT_RETURN_IF_ERROR(file.Append(&v.position, sizeof(v.position)));
+    for (const SpooledVertex& v : block) MESHFRONT_RETURN_IF_ERROR(file.Append({reinterpret_cast<const char*>(&v.position), sizeof(v.position)}));
     return absl::OkStatus();
   }));
   return spool.ForEachTriangleBlock([&](Triangles block) -> absl::Status {
     for (const Triangle& t : block) {
       std::array<char, 13> record = {3};
       std::memcpy(record.data() + 1, t.data(), sizeof(t));
-      MESHFRONT_RETURN_IF_ERROR(file.Append(record.data(), record.size()));
+      MESHFRONT_RETURN_IF_ERROR(file.Append({record.data(), record.size()}));
     }
     return absl::OkStatus();
   });
 }
 
-absl::Status WriteStl(const ChunkSpool& spool, BufferedFile& file) {
+absl::Status WriteStl(const ChunkSpool& spool, ByteSink& file) {
   std::string header(80, ' ');  // must not begin with "solid", which would announce text
   std::memcpy(header.data(), "meshfront", 9);
   const uint32_t count = static_cast<uint32_t>(spool.triangle_count());
@@ -110,11 +111,19 @@ absl::Status WriteStl(const ChunkSpool& spool, BufferedFile& file) {
   });
 }
 
+// Far from the origin float32 has no digits left for the shape: then the positions are relative to the centre of the mesh.
+Vec3 GltfOrigin(const ChunkSpool& spool) {
+  constexpr double far = 4;  // diagonals: two bits lost at most
+  const Box3& box = spool.bounds();
+  return !box.empty() && Norm(box.Center()) > far * box.Diagonal() ? box.Center() : Vec3{};
+}
+
 // The binary buffer of a glTF: positions, normals, indices, each a multiple of four bytes.
 absl::Status ForEachBufferPart(const ChunkSpool& spool, const std::function<absl::Status(absl::string_view)>& body) {
+  const Vec3 origin = GltfOrigin(spool);
   MESHFRONT_RETURN_IF_ERROR(spool.ForEachVertexBlock([&](Vertices block) {
     std::string bytes;
-    for (const SpooledVertex& v : block) AppendVec3(v.position, &bytes);
+    for (const SpooledVertex& v : block) AppendVec3(v.position - origin, &bytes);
     return body(bytes);
   }));
   MESHFRONT_RETURN_IF_ERROR(spool.ForEachVertexBlock([&](Vertices block) {
@@ -129,27 +138,34 @@ absl::Status ForEachBufferPart(const ChunkSpool& spool, const std::function<absl
 
 constexpr int kFloat = 5126, kUint32 = 5125, kArrayBuffer = 34962, kElementArrayBuffer = 34963;  // glTF's names for them
 
-nlohmann::json GltfDocument(const ChunkSpool& spool, nlohmann::json buffer) {
+Json JsonOf(const Vec3& v) { return {v.x, v.y, v.z}; }
+// Exactly what the buffer holds: rounding keeps the order, so the extremes stay the extremes.
+Json FloatsOf(const Vec3& v) { return JsonOf({static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}); }
+
+Json GltfDocument(const ChunkSpool& spool, Json buffer) {
   const uint64_t vertices = spool.vertex_count(), triangles = spool.triangle_count();
   const uint64_t vertex_bytes = vertices * 12, index_bytes = triangles * 12;
-  const Box3& box = spool.float_bounds();
+  const Vec3 origin = GltfOrigin(spool);
+  Json node = {{"mesh", 0}};
+  if (origin != Vec3{}) node["translation"] = JsonOf(origin);
+  Json primitive = {{"attributes", {{"POSITION", 0}, {"NORMAL", 1}}}, {"indices", 2}, {"mode", 4}};
   buffer["byteLength"] = 2 * vertex_bytes + index_bytes;
   return {
       {"asset", {{"version", "2.0"}, {"generator", "meshfront"}}},
       {"scene", 0},
-      {"scenes", {{{"nodes", {0}}}}},
-      {"nodes", {{{"mesh", 0}}}},
-      {"meshes", {{{"primitives", {{{"attributes", {{"POSITION", 0}, {"NORMAL", 1}}}, {"indices", 2}, {"mode", 4}}}}}}},
+      {"scenes", Json::array({Json{{"nodes", Json::array({0})}}})},
+      {"nodes", Json::array({std::move(node)})},
+      {"meshes", Json::array({Json{{"primitives", Json::array({std::move(primitive)})}}})},
       {"accessors",
        {{{"bufferView", 0}, {"componentType", kFloat}, {"count", vertices}, {"type", "VEC3"},
-         {"min", {box.min.x, box.min.y, box.min.z}}, {"max", {box.max.x, box.max.y, box.max.z}}},
+         {"min", FloatsOf(spool.bounds().min - origin)}, {"max", FloatsOf(spool.bounds().max - origin)}},
         {{"bufferView", 1}, {"componentType", kFloat}, {"count", vertices}, {"type", "VEC3"}},
         {{"bufferView", 2}, {"componentType", kUint32}, {"count", 3 * triangles}, {"type", "SCALAR"}}}},
       {"bufferViews",
        {{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", vertex_bytes}, {"target", kArrayBuffer}},
         {{"buffer", 0}, {"byteOffset", vertex_bytes}, {"byteLength", vertex_bytes}, {"target", kArrayBuffer}},
         {{"buffer", 0}, {"byteOffset", 2 * vertex_bytes}, {"byteLength", index_bytes}, {"target", kElementArrayBuffer}}}},
-      {"buffers", nlohmann::json::array({std::move(buffer)})}};
+      {"buffers", Json::array({std::move(buffer)})}};
 }
 
 void AppendUint32(uint64_t value, std::string* bytes) {
@@ -157,8 +173,8 @@ void AppendUint32(uint64_t value, std::string* bytes) {
   bytes->append(reinterpret_cast<const char*>(&v), sizeof(v));
 }
 
-absl::Status WriteGlb(const ChunkSpool& spool, BufferedFile& file) {
-  const nlohmann::json document = GltfDocument(spool, nlohmann::json::object());
+absl::Status WriteGlb(const ChunkSpool& spool, ByteSink& file) {
+  const Json document = GltfDocument(spool, Json::object());
   const uint64_t buffer_bytes = document["buffers"][0]["byteLength"];
   std::string text = document.dump();
   text.append((4 - text.size() % 4) % 4, ' ');
@@ -179,7 +195,7 @@ absl::Status WriteGlb(const ChunkSpool& spool, BufferedFile& file) {
 // Base64 of a byte sequence that arrives in pieces.
 class Base64Writer {
  public:
-  explicit Base64Writer(BufferedFile& file) : file_(file) {}
+  explicit Base64Writer(ByteSink& file) : file_(file) {}
 
   absl::Status Append(absl::string_view bytes) {
     std::string text;
@@ -207,12 +223,12 @@ class Base64Writer {
     pending_ = 0, pending_bytes_ = 0;
   }
 
-  BufferedFile& file_;
+  ByteSink& file_;
   uint32_t pending_ = 0;
   int pending_bytes_ = 0;
 };
 
-absl::Status WriteGltf(const ChunkSpool& spool, BufferedFile& file) {
+absl::Status WriteGltf(const ChunkSpool& spool, ByteSink& file) {
   // The buffer's text goes where this mark stands, too long to be held.
   static constexpr absl::string_view mark = "@buffer@";
   const std::string text = GltfDocument(spool, {{"uri", std::string(mark)}}).dump();
@@ -227,21 +243,14 @@ absl::Status WriteGltf(const ChunkSpool& spool, BufferedFile& file) {
 
 }  // namespace
 
-FormatNeeds NeedsOf(Format format) {
-  switch (format) {
-    case Format::kGlb:
-    case Format::kGltf: return {.float64 = false, .normals = true};
-    case Format::kStl: return {.float64 = false, .normals = false};
-    default: return {.float64 = true, .normals = false};
-  }
-}
+bool HoldsNormals(Format format) { return format == Format::kGlb || format == Format::kGltf; }
 
 absl::Status CheckWritable(Format format) {
   if (format != Format::kXyz) return absl::OkStatus();
   return absl::InvalidArgumentError("XYZ holds points only; a mesh is written as OFF, OBJ, PLY, STL, GLB or glTF");
 }
 
-absl::Status WriteSpool(const ChunkSpool& spool, Format format, BufferedFile& file) {
+absl::Status WriteSpool(const ChunkSpool& spool, Format format, ByteSink& file) {
   MESHFRONT_RETURN_IF_ERROR(CheckWritable(format));
   switch (format) {
     case Format::kOff: return WriteOff(spool, file);

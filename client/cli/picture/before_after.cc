@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/cli/picture/wireframe.h"
+#include "client/cli/text.h"
 #include "core/geometry/triangle.h"
 
 namespace meshfront {
@@ -11,17 +12,6 @@ namespace {
 
 constexpr Color kPaper{250, 250, 248}, kRule{205, 208, 212}, kInk{38, 44, 56}, kGrey{120, 126, 136};
 constexpr int kMargin = 24;
-
-// 1234567 -> "1,234,567".
-std::string Grouped(uint64_t n) {
-  const std::string digits = absl::StrCat(n);
-  std::string grouped;
-  for (size_t i = 0; i < digits.size(); ++i) {
-    if (i > 0 && (digits.size() - i) % 3 == 0) grouped += ',';
-    grouped += digits[i];
-  }
-  return grouped;
-}
 
 std::string Percent(double share) {
   const int64_t tenths = static_cast<int64_t>(share * 1000 + 0.5);
@@ -57,8 +47,8 @@ void BeforeAfterPicture::DrawHalf(const TriangleMesh& mesh, const std::string& t
   DrawWireframe(mesh, view_, panel, canvas_);
   canvas_.DrawText(left + kMargin, kMargin, 3, title, kInk);
   const int right = left + kWidth / 2 - kMargin;
-  const std::string count = mesh.IsPointSet() ? absl::StrCat(Grouped(mesh.positions.size()), " points")
-                                              : absl::StrCat(Grouped(mesh.triangles.size()), " triangles");
+  const std::string count = mesh.IsPointSet() ? absl::StrCat(WithThousands(mesh.positions.size()), " points")
+                                              : absl::StrCat(WithThousands(mesh.triangles.size()), " triangles");
   canvas_.DrawText(right - Canvas::TextWidth(count, 2), kMargin - 2, 2, count, kInk);
   if (mesh.IsPointSet()) return;
   const std::string poor = absl::StrCat(Percent(ShareOfPoorFaces(mesh)), " with 2r/R < 0.5");

@@ -1,0 +1,243 @@
+#include "client/cli/arguments.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/strip.h"
+#include "core/base/status_macros.h"
+
+namespace meshfront {
+namespace {
+
+using Text = MeshingFlags::Text;
+
+absl::Status WrongValue(absl::string_view flag, absl::string_view value, absl::string_view rule) {
+  return absl::InvalidArgumentError(absl::StrCat(flag, " is ", value.empty() ? "empty" : value, "; it must be ", rule));
+}
+
+absl::Status NotYet(absl::string_view what) { return absl::InvalidArgumentError(absl::StrCat(what, " is not yet built")); }
+
+absl::Status Contradiction(absl::string_view a, absl::string_view b) {
+  return absl::InvalidArgumentError(absl::StrCat(a, " and ", b, " contradict each other; give one of them"));
+}
+
+// A finite number inside (low, high), or including an end where it is said to.
+struct Range {
+  double low, high;
+  bool low_included, high_included;
+  const char* rule;
+  bool Contains(double x) const {
+    return std::isfinite(x) && (low_included ? x >= low : x > low) && (high_included ? x <= high : x < high);
+  }
+};
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr Range kRho{0, 2 * std::numbers::pi / 3, false, true, "a number in (0, 2π/3]"};
+constexpr Range kEta{1, 2, false, false, "a number in (1, 2)"};
+constexpr Range kPositive{0, kInfinity, false, false, "a positive, finite number"};
+constexpr Range kBlend{0, 1000, true, true, "a number in [0, 1000]"};
+constexpr Range kMlsRadius{0, 100, false, true, "a number in (0, 100]"};
+constexpr Range kCreaseAngle{0, 180, false, false, "off or a number of degrees in (0, 180)"};
+
+absl::StatusOr<double> ParseNumber(absl::string_view flag, absl::string_view text, const Range& range) {
+  double value;
+  if (!absl::SimpleAtod(text, &value) || !range.Contains(value)) return WrongValue(flag, text, range.rule);
+  return value;
+}
+
+absl::Status CheckNumber(absl::string_view flag, const Text& text, const Range& range) {
+  return text ? ParseNumber(flag, *text, range).status() : absl::OkStatus();
+}
+
+// "0.3", or "2%" of the diagonal.
+absl::StatusOr<v1::Length> ParseLength(absl::string_view flag, absl::string_view text) {
+  static constexpr Range range{0, kInfinity, false, false, "a positive, finite length, or a percentage of the diagonal such as 2%"};
+  absl::string_view digits = text;
+  const bool relative = absl::ConsumeSuffix(&digits, "%");
+  double value;
+  if (!absl::SimpleAtod(digits, &value) || !range.Contains(value)) return WrongValue(flag, text, range.rule);
+  v1::Length length;
+  if (relative) length.set_diagonal_fraction(value / 100);
+  else length.set_absolute(value);
+  return length;
+}
+
+absl::StatusOr<bool> ParseSwitch(absl::string_view flag, absl::string_view text) {
+  if (text == "on" || text == "off") return text == "on";
+  return WrongValue(flag, text, "on or off");
+}
+
+absl::StatusOr<v1::Sizing> ParseSizing(const MeshingFlags& flags) {
+  if (!flags.sizing) {
+    if (flags.max_error) return v1::SIZING_ERROR;
+    return flags.edge_length ? v1::SIZING_UNIFORM : v1::SIZING_ANGLE;
+  }
+  if (*flags.sizing == "angle") return v1::SIZING_ANGLE;
+  if (*flags.sizing == "error") return v1::SIZING_ERROR;
+  if (*flags.sizing == "uniform") return v1::SIZING_UNIFORM;
+  return WrongValue("--sizing", *flags.sizing, "angle, error or uniform");
+}
+
+// Values alone, also of flags that do nothing yet: a mistake is told before an absence.
+absl::Status CheckValues(const MeshingFlags& flags) {
+  MESHFRONT_RETURN_IF_ERROR(CheckNumber("--rho", flags.rho, kRho));
+  MESHFRONT_RETURN_IF_ERROR(CheckNumber("--eta", flags.eta, kEta));
+  MESHFRONT_RETURN_IF_ERROR(CheckNumber("--blend", flags.blend, kBlend));
+  MESHFRONT_RETURN_IF_ERROR(CheckNumber("--mls-radius", flags.mls_radius, kMlsRadius));
+  for (const auto& [name, length] : {std::pair{"--max-error", &flags.max_error}, {"--edge-length", &flags.edge_length},
+                                     {"--min-edge", &flags.min_edge}, {"--max-edge", &flags.max_edge}}) {
+    if (*length) MESHFRONT_RETURN_IF_ERROR(ParseLength(name, **length).status());
+  }
+  uint64_t count;
+  if (flags.target_triangles && (!absl::SimpleAtoi(*flags.target_triangles, &count) || count < 4)) {
+    return WrongValue("--target-triangles", *flags.target_triangles, "a whole number, at least 4");
+  }
+  if (flags.crease_angle && *flags.crease_angle != "off") {
+    MESHFRONT_RETURN_IF_ERROR(CheckNumber("--crease-angle", flags.crease_angle, kCreaseAngle));
+  }
+  if (flags.attributes && *flags.attributes != "keep" && *flags.attributes != "drop") {
+    return WrongValue("--attributes", *flags.attributes, "keep or drop");
+  }
+  const Text& s = flags.surface;
+  if (s && *s != "auto" && *s != "mesh" && *s != "mls" && *s != "imls") {
+    return WrongValue("--surface", *s, "auto, mesh, mls or imls");
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckSizingFlags(const MeshingFlags& flags, v1::Sizing sizing) {
+  const std::vector<std::pair<const char*, const Text*>> exclusive = {
+      {"--rho", &flags.rho}, {"--max-error", &flags.max_error}, {"--edge-length", &flags.edge_length},
+      {"--target-triangles", &flags.target_triangles}};
+  const char* first = nullptr;
+  for (const auto& [name, text] : exclusive) {
+    if (!*text) continue;
+    if (first != nullptr) return Contradiction(first, name);
+    first = name;
+  }
+  const std::string given = absl::StrCat("--sizing ", flags.sizing.value_or("angle"));
+  if (flags.rho && sizing != v1::SIZING_ANGLE) return Contradiction("--rho", given);
+  if (flags.max_error && sizing != v1::SIZING_ERROR) return Contradiction("--max-error", given);
+  if (flags.edge_length && sizing != v1::SIZING_UNIFORM) return Contradiction("--edge-length", given);
+  if (sizing == v1::SIZING_UNIFORM && !flags.edge_length && !flags.target_triangles) {
+    return absl::InvalidArgumentError("--sizing uniform needs the length: give --edge-length too");
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckBuilt(const MeshingFlags& flags, v1::Sizing sizing) {
+  if (flags.max_error) return NotYet("--max-error");
+  if (sizing == v1::SIZING_ERROR) return NotYet("--sizing error");
+  if (flags.target_triangles) return NotYet("--target-triangles");
+  if (flags.crease_angle && *flags.crease_angle != "off") return NotYet(absl::StrCat("--crease-angle ", *flags.crease_angle));
+  if (flags.features) return NotYet("--features");
+  if (flags.region) return NotYet("--region");
+  if (flags.blend) return NotYet("--blend");
+  if (flags.surface == "mls" || flags.surface == "imls") return NotYet(absl::StrCat("--surface ", *flags.surface));
+  if (flags.mls_radius) return NotYet("--mls-radius");
+  if (!flags.seed_points.empty()) return NotYet("--seed-point");
+  return absl::OkStatus();
+}
+
+absl::Status CheckEdgeRange(const v1::RemeshOptions& options) {
+  if (!options.has_min_edge() || !options.has_max_edge()) return absl::OkStatus();
+  const v1::Length &low = options.min_edge(), &high = options.max_edge();
+  const bool comparable = low.value_case() == high.value_case();
+  if (!comparable || low.absolute() + low.diagonal_fraction() <= high.absolute() + high.diagonal_fraction()) return absl::OkStatus();
+  return absl::InvalidArgumentError("--min-edge is larger than --max-edge; it must not be");
+}
+
+absl::Status FillSwitches(const MeshingFlags& flags, v1::RemeshOptions* options) {
+  using Setter = void (v1::RemeshOptions::*)(bool);
+  struct Switch {
+    const char* name;
+    const Text& text;
+    Setter set;
+  };
+  const Switch switches[] = {{"--flips", flags.flips, &v1::RemeshOptions::set_flips},
+                             {"--smooth", flags.smooth, &v1::RemeshOptions::set_smooth},
+                             {"--fit", flags.fit, &v1::RemeshOptions::set_fit},
+                             {"--repair", flags.repair, &v1::RemeshOptions::set_repair}};
+  for (const Switch& s : switches) {
+    if (!s.text) continue;
+    MESHFRONT_ASSIGN_OR_RETURN(const bool on, ParseSwitch(s.name, *s.text));
+    (options->*s.set)(on);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status FillNumbers(const MeshingFlags& flags, v1::RemeshOptions* options) {
+  if (flags.rho) {
+    MESHFRONT_ASSIGN_OR_RETURN(const double rho, ParseNumber("--rho", *flags.rho, kRho));
+    options->set_rho(rho);
+  }
+  if (flags.eta) {
+    MESHFRONT_ASSIGN_OR_RETURN(const double eta, ParseNumber("--eta", *flags.eta, kEta));
+    options->set_eta(eta);
+  }
+  if (flags.edge_length) {
+    MESHFRONT_ASSIGN_OR_RETURN(*options->mutable_edge_length(), ParseLength("--edge-length", *flags.edge_length));
+  }
+  if (flags.min_edge) {
+    MESHFRONT_ASSIGN_OR_RETURN(*options->mutable_min_edge(), ParseLength("--min-edge", *flags.min_edge));
+  }
+  if (flags.max_edge) {
+    MESHFRONT_ASSIGN_OR_RETURN(*options->mutable_max_edge(), ParseLength("--max-edge", *flags.max_edge));
+  }
+  if (flags.threads) {
+    constexpr uint32_t most = 1024;
+    uint32_t threads;
+    if (!absl::SimpleAtoi(*flags.threads, &threads) || threads > most) {
+      return WrongValue("--threads", *flags.threads, "a whole number from 0 (all cores) to 1024");
+    }
+    options->set_threads(threads);
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<v1::RemeshOptions> ParseMeshingFlags(const MeshingFlags& flags) {
+  v1::RemeshOptions options;
+  MESHFRONT_RETURN_IF_ERROR(CheckValues(flags));
+  MESHFRONT_RETURN_IF_ERROR(FillSwitches(flags, &options));
+  MESHFRONT_RETURN_IF_ERROR(FillNumbers(flags, &options));
+  MESHFRONT_RETURN_IF_ERROR(CheckEdgeRange(options));
+  MESHFRONT_ASSIGN_OR_RETURN(const v1::Sizing sizing, ParseSizing(flags));
+  MESHFRONT_RETURN_IF_ERROR(CheckSizingFlags(flags, sizing));
+  MESHFRONT_RETURN_IF_ERROR(CheckBuilt(flags, sizing));
+  options.set_sizing(sizing);
+  if (flags.crease_angle == "off") options.mutable_crease()->set_off(true);
+  if (flags.attributes == "drop") options.set_attributes(v1::ATTRIBUTE_POLICY_DROP);
+  if (flags.surface == "mesh") options.set_surface(v1::SURFACE_TYPE_MESH);
+  return options;
+}
+
+absl::StatusOr<double> ParseTimeout(const Text& timeout) {
+  if (!timeout) return kInfinity;
+  return ParseNumber("--timeout", *timeout, {0, kInfinity, false, false, "a positive number of seconds"});
+}
+
+absl::Status CheckServerAddress(const std::string& address) {
+  const size_t colon = address.rfind(':');
+  uint32_t port = 0;
+  const bool has_port = colon != std::string::npos && colon > 0 && absl::SimpleAtoi(address.substr(colon + 1), &port);
+  if (has_port && port >= 1 && port <= 65535) return absl::OkStatus();
+  return WrongValue("--server", address, "HOST:PORT with a port from 1 to 65535");
+}
+
+absl::StatusOr<Format> FormatFor(const std::string& path, const Text& format, const std::string& flag) {
+  if (format) {
+    const Format named = FormatOfName(*format);
+    if (named != Format::kUnknown) return named;
+    return WrongValue(flag, *format, "off, obj, ply, stl, glb, gltf or xyz");
+  }
+  if (path == "-") return absl::InvalidArgumentError(absl::StrCat("- has no ending that tells its format: give ", flag));
+  return FormatOfName(path);
+}
+
+}  // namespace meshfront

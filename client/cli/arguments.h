@@ -1,0 +1,64 @@
+// The command line as it was typed, and what it means.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/io/mesh_io.h"
+#include "meshfront/v1/options.pb.h"
+
+namespace meshfront {
+
+// Values of the flags that say how to mesh; a flag that was not given is empty. Texts, so that every mistake gets one sentence with the
+// flag, the value and the rule.
+struct MeshingFlags {
+  using Text = std::optional<std::string>;
+  Text rho, eta, max_error, sizing, target_triangles, edge_length, min_edge, max_edge;
+  Text crease_angle, features, attributes, region, blend, surface, mls_radius;
+  std::vector<std::string> seed_points;
+  Text flips, smooth, fit, threads, repair;
+};
+
+// Flags of calls.
+struct CallFlags {
+  std::string server;  // empty: in process
+  MeshingFlags::Text timeout;
+  MeshingFlags::Text in_format, out_format;
+};
+
+struct RemeshArguments {
+  std::string in, out;
+  MeshingFlags meshing;
+  CallFlags call;
+  std::string stats, trace, picture, write_repaired;  // paths, empty: not wanted
+  bool quiet = false;
+};
+
+struct EstimateArguments {
+  std::string in;
+  MeshingFlags meshing;
+  CallFlags call;
+  bool json = false;
+};
+
+struct MeasureArguments {
+  std::string out, reference;
+  CallFlags call;  // in_format only
+  bool json = false;
+};
+
+// The options to send: what was given and nothing else. InvalidArgument in one sentence: a value out of its range, flags that
+// contradict one another, or a flag that is documented but does nothing yet ("not yet").
+absl::StatusOr<v1::RemeshOptions> ParseMeshingFlags(const MeshingFlags& flags);
+// Seconds, > 0; infinity when not given.
+absl::StatusOr<double> ParseTimeout(const MeshingFlags::Text& timeout);
+// HOST:PORT with a port in 1..65535.
+absl::Status CheckServerAddress(const std::string& address);
+// The format of `path`: the flag's when given, else by its ending. `-` needs the flag, named `flag` in messages. kUnknown for a
+// file to be read whose ending says nothing: its content may.
+absl::StatusOr<Format> FormatFor(const std::string& path, const MeshingFlags::Text& format, const std::string& flag);
+
+}  // namespace meshfront

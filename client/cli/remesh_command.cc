@@ -1,0 +1,220 @@
+// Algorithm: 1. ParseArguments, before anything is touched; 2. CheckOutputs, so that a folder that can't be written is told before
+// the work; 3. ReadMesh; 4. UseInput: the repaired copy and the left half of the picture, so that the input need not be kept;
+// 5. Call: chunks go to the spool as they come; 6. WriteResult, picture and stats.
+#include <iostream>
+#include <optional>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "absl/time/clock.h"
+#include "client/cli/commands.h"
+#include "client/cli/connection.h"
+#include "client/cli/input.h"
+#include "client/cli/picture/before_after.h"
+#include "client/cli/process.h"
+#include "client/cli/result_collector.h"
+#include "client/cli/stats.h"
+#include "client/cli/terminal.h"
+#include "client/cli/text.h"
+#include "client/cli/version.h"
+#include "client/spool_writer.h"
+#include "core/base/context.h"
+#include "core/base/status_macros.h"
+#include "core/mesh/repair.h"
+
+namespace meshfront {
+namespace {
+
+class RemeshCommand {
+ public:
+  explicit RemeshCommand(const RemeshArguments& arguments) : arguments_(arguments) {}
+
+  ExitCode Run() {
+    using Step = ExitCode (RemeshCommand::*)();
+    constexpr Step steps[] = {&RemeshCommand::ParseArguments, &RemeshCommand::CheckOutputs, &RemeshCommand::ReadMesh,
+                              &RemeshCommand::UseInput,       &RemeshCommand::Call,         &RemeshCommand::WriteResult,
+                              &RemeshCommand::WritePicture,   &RemeshCommand::WriteStats};
+    for (const Step step : steps) {
+      const ExitCode code = (this->*step)();
+      if (code != ExitCode::kDone) return code;
+    }
+    return summary_.complete() ? ExitCode::kDone : ReportOpenPlaces();
+  }
+
+ private:
+  ExitCode ParseArguments() {
+    const absl::Status parsed = TryParseArguments();
+    return parsed.ok() ? ExitCode::kDone : Fail(ExitCode::kUsage, parsed);
+  }
+
+  absl::Status TryParseArguments() {
+    MESHFRONT_ASSIGN_OR_RETURN(call_.options, ParseMeshingFlags(arguments_.meshing));
+    MESHFRONT_ASSIGN_OR_RETURN(timeout_, ParseTimeout(arguments_.call.timeout));
+    if (remote()) MESHFRONT_RETURN_IF_ERROR(CheckServerAddress(arguments_.call.server));
+    MESHFRONT_ASSIGN_OR_RETURN(in_format_, FormatFor(arguments_.in, arguments_.call.in_format, "--in-format"));
+    MESHFRONT_ASSIGN_OR_RETURN(out_format_, FormatFor(arguments_.out, arguments_.call.out_format, "--out-format"));
+    if (out_format_ == Format::kUnknown) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("OUT is ", arguments_.out, "; its ending must be off, obj, ply, stl, glb or gltf, or give --out-format"));
+    }
+    MESHFRONT_RETURN_IF_ERROR(CheckWritable(out_format_));
+    if (!arguments_.write_repaired.empty() && FormatOfName(arguments_.write_repaired) == Format::kUnknown) {
+      return absl::InvalidArgumentError(absl::StrCat("--write-repaired is ", arguments_.write_repaired,
+                                                     "; its ending must be off, obj, ply, stl, glb or gltf"));
+    }
+    call_.output.set_scalar_type(v1::SCALAR_TYPE_FLOAT64);
+    call_.output.set_normals(HoldsNormals(out_format_));
+    return absl::OkStatus();
+  }
+
+  ExitCode CheckOutputs() {
+    for (const std::string& path : {arguments_.out, arguments_.stats, arguments_.trace, arguments_.picture,
+                                    arguments_.write_repaired}) {
+      if (path.empty()) continue;
+      const absl::Status status = CheckCanBeCreated(path);
+      if (!status.ok()) return Fail(ExitCode::kOutput, status);
+    }
+    return ExitCode::kDone;
+  }
+
+  ExitCode ReadMesh() {
+    const absl::Time begin = absl::Now();
+    absl::StatusOr<ReadResult> read = ReadInput(arguments_.in, in_format_);
+    if (!read.ok()) return Fail(ExitCode::kInput, read.status());
+    input_ = std::move(read->mesh);
+    figures_.read = absl::ToDoubleSeconds(absl::Now() - begin);
+    if (arguments_.meshing.attributes != "drop" && !input_.dropped_attributes.empty()) {
+      std::cerr << "meshfront: warning: attributes are not carried over yet: " << absl::StrJoin(input_.dropped_attributes, ", ")
+                << "\n";
+    }
+    return ExitCode::kDone;
+  }
+
+  ExitCode UseInput() {
+    if (!arguments_.picture.empty()) picture_.emplace().DrawBefore(input_);
+    if (arguments_.write_repaired.empty()) return ExitCode::kDone;
+    const bool repair = arguments_.meshing.repair != "off";
+    Context context;
+    absl::StatusOr<RepairResult> repaired = repair ? RepairMesh(input_, context) : RepairResult{input_, {}};
+    if (!repaired.ok()) return Fail(ExitCode::kInput, repaired.status());
+    const absl::Status written = WriteMeshFile(arguments_.write_repaired, repaired->mesh);
+    return written.ok() ? ExitCode::kDone : Fail(ExitCode::kOutput, written);
+  }
+
+  ExitCode Call() {
+    CallCanceller canceller;
+    call_.canceller = &canceller;
+    interruption_.OnSignal([&canceller] { canceller.Cancel(); });
+    absl::StatusOr<ChunkSpool> spool = ChunkSpool::Create(SpoolFolderFor(arguments_.out));
+    if (!spool.ok()) return Fail(ExitCode::kOutput, spool.status());
+    spool_.emplace(*std::move(spool));
+    const ExitCode code = CallInto(*spool_);
+    interruption_.OnSignal([] {});
+    call_.canceller = nullptr;
+    return code;
+  }
+
+  ExitCode CallInto(ChunkSpool& spool) {
+    std::unique_ptr<OutputFile> trace;
+    if (!arguments_.trace.empty()) {
+      absl::StatusOr<std::unique_ptr<OutputFile>> file = OutputFile::Create(arguments_.trace);
+      if (!file.ok()) return Fail(ExitCode::kOutput, file.status());
+      trace = *std::move(file);
+    }
+    const absl::StatusOr<std::unique_ptr<Connection>> connection = Connect(arguments_.call.server, call_.options.threads());
+    if (!connection.ok()) return Fail(ExitCode::kInternalError, connection.status());
+    if (timeout_ < kLongestTimeout) call_.deadline = absl::Now() + absl::Seconds(timeout_);
+    ProgressBar bar(std::cerr, !arguments_.quiet && IsTerminal(std::cerr));
+    ResultCollector collector(spool, trace.get(), bar);
+    absl::StatusOr<v1::Summary> summary = (*connection)->client().Remesh(std::move(input_), call_, collector);
+    bar.Clear();
+    collector.FillFigures(remote(), &figures_);
+    // A trace of a failed job is worth keeping, and its own failure must not hide the job's.
+    absl::Status finished = trace == nullptr ? absl::OkStatus() : trace->Commit();
+    if (!collector.local_error().ok()) return Fail(ExitCode::kOutput, collector.local_error());
+    if (!summary.ok()) return FailCall(summary.status());
+    summary_ = *std::move(summary);
+    if (finished.ok()) finished = spool.Finish();
+    return finished.ok() ? ExitCode::kDone : Fail(ExitCode::kOutput, finished);
+  }
+
+  ExitCode FailCall(const absl::Status& status) {
+    const ExitCode code = ExitCodeOfCall(status);
+    if (code == ExitCode::kServer && remote()) {
+      return Fail(code, absl::Status(status.code(), absl::StrCat("server ", arguments_.call.server, ": ", status.message())));
+    }
+    return Fail(code, status);
+  }
+
+  ExitCode WriteResult() {
+    const absl::Time begin = absl::Now();
+    const absl::Status written = TryWriteResult();
+    if (!written.ok()) return Fail(absl::IsCancelled(written) ? ExitCode::kCancelled : ExitCode::kOutput, written);
+    figures_.write = absl::ToDoubleSeconds(absl::Now() - begin);
+    figures_.total = SecondsSinceProcessStart();
+    return ExitCode::kDone;
+  }
+
+  absl::Status TryWriteResult() {
+    MESHFRONT_ASSIGN_OR_RETURN(const std::unique_ptr<OutputFile> out, OutputFile::Create(arguments_.out));
+    MESHFRONT_RETURN_IF_ERROR(WriteSpool(*spool_, out_format_, out->sink()));
+    if (interruption_.requested()) return absl::CancelledError("cancelled");
+    return out->Commit();
+  }
+
+  ExitCode WritePicture() {
+    if (!picture_) return ExitCode::kDone;
+    const absl::Status drawn = TryWritePicture();
+    return drawn.ok() ? ExitCode::kDone : Fail(ExitCode::kOutput, drawn);
+  }
+
+  absl::Status TryWritePicture() {
+    MESHFRONT_ASSIGN_OR_RETURN(const TriangleMesh output, spool_->Load());
+    picture_->DrawAfter(output);
+    std::string png;
+    MESHFRONT_RETURN_IF_ERROR(picture_->canvas().EncodePng(&png));
+    return WriteWholeFile(arguments_.picture, png);
+  }
+
+  ExitCode WriteStats() {
+    if (arguments_.stats.empty()) return ExitCode::kDone;
+    figures_.remote = remote();
+    figures_.peak_rss_bytes = PeakRssBytes();
+    const std::string text = StatsJson(kClientVersion, summary_, figures_).dump(2) + "\n";
+    const absl::Status written = WriteWholeFile(arguments_.stats, text);
+    return written.ok() ? ExitCode::kDone : Fail(ExitCode::kOutput, written);
+  }
+
+  ExitCode ReportOpenPlaces() const {
+    constexpr int shown = 20;
+    std::cerr << "meshfront: " << arguments_.out << " is meshed only in part; it is open at " << summary_.open_place_count()
+              << " places:\n";
+    for (int i = 0; i < std::min(shown, summary_.open_places_size()); ++i) {
+      const v1::Point& p = summary_.open_places(i);
+      std::cerr << "  " << PlaceText({p.x(), p.y(), p.z()}) << "\n";
+    }
+    if (summary_.open_places_size() > shown) std::cerr << "  and more: see --stats\n";
+    return ExitCode::kPartial;
+  }
+
+  bool remote() const { return !arguments_.call.server.empty(); }
+
+  static constexpr double kLongestTimeout = 1e9;  // seconds: longer is none
+
+  const RemeshArguments& arguments_;
+  Interruption interruption_;
+  CallOptions call_;
+  double timeout_ = 0;
+  Format in_format_ = Format::kUnknown, out_format_ = Format::kUnknown;
+  TriangleMesh input_;
+  std::optional<BeforeAfterPicture> picture_;
+  std::optional<ChunkSpool> spool_;
+  v1::Summary summary_;
+  ClientFigures figures_;
+};
+
+}  // namespace
+
+ExitCode RunRemesh(const RemeshArguments& arguments) { return RemeshCommand(arguments).Run(); }
+
+}  // namespace meshfront
