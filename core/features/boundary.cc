@@ -46,8 +46,10 @@ absl::StatusOr<std::vector<SizingSample>> BoundarySizingSamples(
     const ClosedCurve curve = CurveOf(surface, rim);
     const double longest = curve.length() / kMinEdgesPerLoop;
     const std::vector<double> curvatures = CurveCurvatures(curve);
+    const std::vector<bool> sharp = FindSharpVertices(curve);
     for (size_t i = 0; i < curve.size(); ++i) {
-      const double length = std::min(longest, ideal_length(curvatures[i]));
+      const double smooth = std::min(longest, ideal_length(curvatures[i]));
+      const double length = LongestChordAt(curve, sharp, i, smooth, ideal_length);
       if (length > 0) samples.push_back({curve[i], length});
     }
   }

@@ -59,4 +59,12 @@ absl::StatusOr<std::vector<CurvePoint>> ResampleCurve(const ClosedCurve& curve, 
 // is 0. At most 2 / mean edge around.
 std::vector<double> CurveCurvatures(const ClosedCurve& curve);
 
+// Vertices where two straight sides meet at an angle: one flag per vertex.
+std::vector<bool> FindSharpVertices(const ClosedCurve& curve);
+
+// The longest chord, at most `longest`, that stands for the curve around vertex i as well as `ideal_length` asks (see
+// curve_sagitta.cc), at least the shorter edge there; `longest` at sharp vertices.
+double LongestChordAt(const ClosedCurve& curve, const std::vector<bool>& sharp, size_t i, double longest,
+                      absl::FunctionRef<double(double max_curvature)> ideal_length);
+
 }  // namespace meshfront

@@ -35,13 +35,6 @@ bool IsSharp(const ClosedCurve& curve, size_t i, size_t reach) {
          Distance(p, curve[i + reach]) >= kStraightShare * ArcBetween(curve, i, reach);
 }
 
-std::vector<bool> FindSharpVertices(const ClosedCurve& curve) {
-  const size_t reach = std::clamp<size_t>(curve.size() / 8, 1, kCurvatureReach);
-  std::vector<bool> sharp(curve.size());
-  for (size_t i = 0; i < curve.size(); ++i) sharp[i] = IsSharp(curve, i, reach);
-  return sharp;
-}
-
 // Least squares of d = c₀ + c₁ s + c₂ q, where s is d along the curve and q = |d|²/2. On a circle d · N = κ q holds exactly, so the
 // part of c₂ across c₁ is κ N however long the arc; a quadratic in arc length would be 30 % off over 130°.
 class CircleFit {
@@ -112,6 +105,13 @@ double FitCurvature(const ClosedCurve& curve, const std::vector<bool>& sharp, si
 }
 
 }  // namespace
+
+std::vector<bool> FindSharpVertices(const ClosedCurve& curve) {
+  const size_t reach = std::clamp<size_t>(curve.size() / 8, 1, kCurvatureReach);
+  std::vector<bool> sharp(curve.size());
+  for (size_t i = 0; i < curve.size(); ++i) sharp[i] = IsSharp(curve, i, reach);
+  return sharp;
+}
 
 std::vector<double> CurveCurvatures(const ClosedCurve& curve) {
   const std::vector<bool> sharp = FindSharpVertices(curve);
