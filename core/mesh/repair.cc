@@ -1,0 +1,223 @@
+// From whatever came in to an oriented manifold:
+//
+// 1. IsClean: most meshes are; they pass untouched.
+// 2. RepairPass, until it finds nothing more: faces without a usable position go (DropUnusable); spikes are moved (MoveSpikes); needles
+//    and loose caps go (DropNeedlesAndLooseCaps), duplicates go (DropDuplicates); the rest is paired edge by edge, oriented, welded
+//    and given one vertex a fan (MakeOrientedManifold); caps inside are turned (FlipCaps); closed components that face inwards are
+//    reversed (TurnOutwards).
+// 3. DropUnreferenced.
+// Rejected: one pass; what a dropped face opens may let others be joined.
+#include "core/mesh/repair.h"
+
+#include <algorithm>
+#include <array>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
+#include "core/mesh/repair_degenerate.h"
+#include "core/mesh/repair_outside.h"
+#include "core/mesh/repair_pairing.h"
+#include "core/mesh/repair_spikes.h"
+#include "core/mesh/repair_survey.h"
+#include "core/mesh/tolerances.h"
+
+namespace meshfront {
+namespace {
+
+constexpr int kMostPasses = 8;
+
+class ActionCounts {
+ public:
+  // True when there was something to count.
+  bool Add(const char* what, uint64_t count) {
+    if (count == 0) return false;
+    for (RepairAction& action : actions_) {
+      if (action.what == what) return action.count += count, true;
+    }
+    actions_.push_back({what, count});
+    return true;
+  }
+  std::vector<RepairAction> Take() { return std::move(actions_); }
+
+ private:
+  std::vector<RepairAction> actions_;
+};
+
+uint64_t CountUnreferenced(const TriangleMesh& mesh) {
+  std::vector<bool> used(mesh.positions.size(), false);
+  for (const Triangle& t : mesh.triangles) {
+    for (const VertexId v : t) used[v.index()] = true;
+  }
+  return std::count(used.begin(), used.end(), false);
+}
+
+void DropUnreferenced(TriangleMesh& mesh) {
+  std::vector<uint32_t> new_id(mesh.positions.size(), 0);
+  for (const Triangle& t : mesh.triangles) {
+    for (const VertexId v : t) new_id[v.index()] = 1;
+  }
+  const bool has_normals = mesh.normals.size() == mesh.positions.size();
+  uint32_t count = 0;
+  for (uint32_t v = 0; v < new_id.size(); ++v) {
+    if (new_id[v] == 0) continue;
+    mesh.positions[count] = mesh.positions[v];
+    if (has_normals) mesh.normals[count] = mesh.normals[v];
+    new_id[v] = count++;
+  }
+  mesh.positions.resize(count);
+  if (has_normals) mesh.normals.resize(count);
+  for (Triangle& t : mesh.triangles) {
+    for (VertexId& v : t) v = VertexId(new_id[v.index()]);
+  }
+}
+
+// Faces of which no surface can be made, by kind.
+bool DropUnusable(TriangleMesh& mesh, ActionCounts& actions) {
+  uint64_t repeated = 0, not_finite = 0, huge = 0;
+  std::erase_if(mesh.triangles, [&](const Triangle& t) {
+    const FaceState state = StateOf(mesh, t);
+    repeated += state == FaceState::kRepeatedIndex;
+    not_finite += state == FaceState::kNotFinite;
+    huge += state == FaceState::kHuge;
+    return state != FaceState::kSound && state != FaceState::kZeroArea;
+  });
+  bool changed = actions.Add("dropped_non_finite_faces", not_finite);
+  changed |= actions.Add("dropped_huge_faces", huge);
+  return changed | actions.Add("dropped_degenerate_faces", repeated);
+}
+
+// Of faces with the same three vertices, in whatever order, the first stays.
+uint64_t DropDuplicates(TriangleMesh& mesh) {
+  struct Key {
+    Triangle sorted;
+    uint32_t face;
+  };
+  std::vector<Key> keys;
+  keys.reserve(mesh.triangles.size());
+  for (uint32_t f = 0; f < mesh.triangles.size(); ++f) {
+    keys.push_back({mesh.triangles[f], f});
+    std::sort(keys.back().sorted.begin(), keys.back().sorted.end());
+  }
+  std::sort(keys.begin(), keys.end(),
+            [](const Key& a, const Key& b) { return a.sorted != b.sorted ? a.sorted < b.sorted : a.face < b.face; });
+  std::vector<bool> dropped(mesh.triangles.size(), false);
+  uint64_t count = 0;
+  for (size_t i = 1; i < keys.size(); ++i) {
+    if (keys[i].sorted == keys[i - 1].sorted) dropped[keys[i].face] = true, ++count;
+  }
+  size_t kept = 0;
+  for (size_t f = 0; f < dropped.size(); ++f) {
+    if (!dropped[f]) mesh.triangles[kept++] = mesh.triangles[f];
+  }
+  mesh.triangles.resize(kept);
+  return count;
+}
+
+bool AddPairingChanges(const PairingChanges& changes, ActionCounts& actions) {
+  actions.Add("welded_vertices", changes.welded_vertices);
+  actions.Add("split_non_manifold_edges", changes.split_edges);
+  actions.Add("split_non_manifold_vertices", changes.split_vertices);
+  actions.Add("reversed_faces", changes.reversed_faces);
+  actions.Add("cut_non_orientable_edges", changes.cut_edges);
+  actions.Add("dropped_non_manifold_faces", changes.dropped_faces);
+  return changes.any();
+}
+
+std::vector<uint32_t> RimsOf(const FaceAdjacency& adjacency) {
+  std::vector<uint32_t> rims;
+  for (uint32_t h = 0; h < 3 * adjacency.opposite.size(); ++h) {
+    if (adjacency.OppositeOf(h) == kNoHalfEdge) rims.push_back(h);
+  }
+  return rims;
+}
+
+// Whether a pass would change nothing but, perhaps, direction. `adjacency` is set then.
+bool IsClean(const TriangleMesh& mesh, const MeshSurvey& survey, std::optional<FaceAdjacency>& adjacency) {
+  if (survey.unsound_faces > 0 || MayHaveSpikes(survey)) return false;
+  adjacency = FindManifoldAdjacency(mesh);
+  return adjacency && !HasCoincidentRims(mesh, RimsOf(*adjacency));
+}
+
+// True when anything was changed.
+bool RepairPass(TriangleMesh& mesh, const MeshSurvey& survey, ActionCounts& actions) {
+  bool changed = DropUnusable(mesh, actions);
+  if (MayHaveSpikes(survey)) changed |= actions.Add("moved_spike_vertices", MoveSpikes(mesh));
+  changed |= actions.Add("dropped_degenerate_faces", DropNeedlesAndLooseCaps(mesh));
+  changed |= actions.Add("dropped_duplicate_faces", DropDuplicates(mesh));
+  changed |= AddPairingChanges(MakeOrientedManifold(mesh), actions);
+  const FlipChanges flips = FlipCaps(mesh);
+  changed |= actions.Add("flipped_degenerate_faces", flips.flipped);
+  if (actions.Add("dropped_degenerate_faces", flips.dropped)) {
+    changed = true;
+    AddPairingChanges(MakeOrientedManifold(mesh), actions);
+  }
+  return changed;
+}
+
+// Says which defect left nothing to mesh.
+absl::Status NothingLeft(const TriangleMesh& mesh) {
+  if (mesh.triangles.empty()) return absl::InvalidArgumentError("the mesh has no triangles");
+  uint64_t not_finite = 0, huge = 0, degenerate = 0;
+  for (const Triangle& t : mesh.triangles) {
+    const FaceState state = StateOf(mesh, t);
+    not_finite += state == FaceState::kNotFinite;
+    huge += state == FaceState::kHuge;
+    degenerate += state == FaceState::kZeroArea || state == FaceState::kRepeatedIndex;
+  }
+  if (huge > 0 && huge >= not_finite && huge >= degenerate) {
+    const Vec3& p = mesh.PositionAt(mesh.triangles[0][0]);
+    return absl::InvalidArgumentError(absl::StrCat(
+        "none of the ", mesh.triangles.size(), " triangles can be meshed: ", huge, " have coordinates beyond ±", kLargestCoordinate,
+        ", the most that can be computed with (a corner of triangle 0 is at ", p.x, " ", p.y, " ", p.z, ")"));
+  }
+  return absl::InvalidArgumentError(absl::StrCat("none of the ", mesh.triangles.size(), " triangles can be meshed: ", degenerate,
+                                                 " have no area, ", not_finite, " have a corner that is not finite"));
+}
+
+// Looks for a face to mesh, before anything is changed.
+absl::Status ValidateMeshable(const TriangleMesh& mesh) {
+  MESHFRONT_RETURN_IF_ERROR(ValidateIndices(mesh));
+  Box3 box;
+  bool any_sound = false;
+  for (const Triangle& t : mesh.triangles) {
+    const FaceState state = StateOf(mesh, t);
+    if (state != FaceState::kSound && state != FaceState::kZeroArea) continue;
+    any_sound |= state == FaceState::kSound;
+    for (const VertexId v : t) box.Extend(mesh.PositionAt(v));
+  }
+  const Vec3 size = box.empty() ? Vec3{} : box.max - box.min;
+  const double largest = std::max({size.x, size.y, size.z});  // the diagonal's square could vanish
+  if (largest > 0 && largest < kSmallestDiagonal) {
+    return absl::InvalidArgumentError(absl::StrCat("the mesh is ", largest, " across; it must be at least ", kSmallestDiagonal,
+                                                   " to be computed with"));
+  }
+  return any_sound ? absl::OkStatus() : NothingLeft(mesh);
+}
+
+}  // namespace
+
+absl::StatusOr<RepairResult> RepairMesh(TriangleMesh mesh, const Context& context) {
+  MESHFRONT_RETURN_IF_ERROR(ValidateMeshable(mesh));
+  const uint64_t triangles = mesh.triangles.size();
+  ActionCounts actions;
+  const uint64_t unreferenced = CountUnreferenced(mesh);
+  for (int pass = 0;; ++pass) {
+    MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
+    const MeshSurvey survey = Survey(mesh);
+    std::optional<FaceAdjacency> adjacency;
+    const bool clean = IsClean(mesh, survey, adjacency);
+    if (!clean && pass < kMostPasses && RepairPass(mesh, survey, actions)) continue;
+    if (!adjacency) adjacency = FindManifoldAdjacency(mesh);
+    if (!adjacency) return absl::InternalError("repair did not arrive at a manifold; please report this mesh");
+    actions.Add("reversed_components", TurnOutwards(mesh, *adjacency));
+    break;
+  }
+  if (mesh.triangles.empty()) {
+    return absl::InvalidArgumentError(absl::StrCat("nothing is left of the mesh's ", triangles, " triangles after repair"));
+  }
+  actions.Add("unreferenced_vertices", unreferenced);
+  DropUnreferenced(mesh);
+  return RepairResult{std::move(mesh), actions.Take()};
+}
+
+}  // namespace meshfront

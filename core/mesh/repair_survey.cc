@@ -1,0 +1,83 @@
+#include "core/mesh/repair_survey.h"
+
+#include <algorithm>
+
+#include "absl/strings/str_cat.h"
+#include "core/mesh/tolerances.h"
+
+namespace meshfront {
+namespace {
+
+double LargestComponent(const Vec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+
+// Two triangles back to back: all sides of one lead to the other.
+bool HasPillow(const FaceAdjacency& adjacency) {
+  for (const auto& sides : adjacency.opposite) {
+    if (sides[0] != kNoHalfEdge && sides[1] != kNoHalfEdge && sides[2] != kNoHalfEdge &&
+        FaceOfHalfEdge(sides[0]) == FaceOfHalfEdge(sides[1]) && FaceOfHalfEdge(sides[1]) == FaceOfHalfEdge(sides[2])) {
+      return true;
+    }
+  }
+  return false;
+}
+
+double SquaredLongestSide(const TriangleMesh& mesh, const Triangle& t) {
+  const Vec3 &a = mesh.PositionAt(t[0]), &b = mesh.PositionAt(t[1]), &c = mesh.PositionAt(t[2]);
+  return std::max({SquaredDistance(a, b), SquaredDistance(b, c), SquaredDistance(c, a)});
+}
+
+}  // namespace
+
+FaceState StateOf(const TriangleMesh& mesh, const Triangle& t) {
+  if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return FaceState::kRepeatedIndex;
+  const Vec3 &a = mesh.PositionAt(t[0]), &b = mesh.PositionAt(t[1]), &c = mesh.PositionAt(t[2]);
+  const double largest = std::max({LargestComponent(a), LargestComponent(b), LargestComponent(c)});
+  if (!(largest <= kLargestCoordinate) || !IsFinite(a) || !IsFinite(b) || !IsFinite(c)) {
+    return IsFinite(a) && IsFinite(b) && IsFinite(c) ? FaceState::kHuge : FaceState::kNotFinite;
+  }
+  const Vec3 ab = b - a, bc = c - b, ca = a - c;
+  const double longest2 = std::max({SquaredNorm(ab), SquaredNorm(bc), SquaredNorm(ca)});
+  // The largest component stands for the norm: its square could vanish.
+  return LargestComponent(Cross(ab, ca)) > kZeroAreaRatio * longest2 ? FaceState::kSound : FaceState::kZeroArea;
+}
+
+absl::Status ValidateIndices(const TriangleMesh& mesh) {
+  const size_t count = mesh.positions.size();
+  for (size_t f = 0; f < mesh.triangles.size(); ++f) {
+    for (const VertexId v : mesh.triangles[f]) {
+      if (v.index() < count) continue;
+      return absl::InvalidArgumentError(
+          absl::StrCat("triangle ", f, " names vertex ", v.index(), "; the mesh has ", count, " vertices"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+MeshSurvey Survey(const TriangleMesh& mesh) {
+  MeshSurvey out;
+  double longest2 = 0;
+  const size_t stride = mesh.triangles.size() / 1000 + 1;
+  std::vector<double> sample;
+  for (size_t f = 0; f < mesh.triangles.size(); ++f) {
+    const Triangle& t = mesh.triangles[f];
+    const FaceState state = StateOf(mesh, t);
+    out.unsound_faces += state != FaceState::kSound;
+    if (state != FaceState::kSound && state != FaceState::kZeroArea) continue;
+    const double side2 = SquaredLongestSide(mesh, t);
+    longest2 = std::max(longest2, side2);
+    if (f % stride == 0) sample.push_back(side2);
+  }
+  out.longest_side = std::sqrt(longest2);
+  if (sample.empty()) return out;
+  std::nth_element(sample.begin(), sample.begin() + sample.size() / 2, sample.end());
+  out.median_side = std::sqrt(sample[sample.size() / 2]);
+  return out;
+}
+
+std::optional<FaceAdjacency> FindManifoldAdjacency(const TriangleMesh& mesh) {
+  std::optional<FaceAdjacency> adjacency = FindOrientedAdjacency(mesh);
+  if (!adjacency || !HasSingleFans(mesh, *adjacency) || HasPillow(*adjacency)) return std::nullopt;
+  return adjacency;
+}
+
+}  // namespace meshfront
