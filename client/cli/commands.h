@@ -14,5 +14,6 @@ ExitCode RunEstimate(const EstimateArguments& arguments);
 ExitCode RunMeasure(const MeasureArguments& arguments);
 ExitCode RunInfo(const std::string& path, const CallFlags& flags);
 ExitCode RunSample(const std::string& path);
+ExitCode RunFigures(const std::string& path);
 
 }  // namespace meshfront

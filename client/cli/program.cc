@@ -19,7 +19,7 @@ struct CommandLine {
   RemeshArguments remesh;
   EstimateArguments estimate;
   MeasureArguments measure;
-  std::string info_path, sample_path;
+  std::string info_path, sample_path, figures_path;
   CallFlags info_flags;
 };
 
@@ -89,6 +89,8 @@ void AddOthers(CLI::App* program, CommandLine* line) {
   info->add_option("--in-format", line->info_flags.in_format, "format of FILE when it is -");
   CLI::App* sample = program->add_subcommand("sample", "Write the sample that the quickstart remeshes");
   sample->add_option("OUT", line->sample_path, "OFF OBJ PLY STL GLB glTF")->required();
+  CLI::App* figures = program->add_subcommand("figures", "Print a file that --stats wrote as a table");
+  figures->add_option("STATS", line->figures_path, "JSON of --stats")->required();
   program->add_subcommand("serve", "Run the server, with the options of meshfrontd (meshfront serve --help)");
   program->add_subcommand("version", "Print the version");
 }
@@ -104,6 +106,7 @@ ExitCode RunParsed(const CLI::App& program, const CommandLine& line) {
   if (program.got_subcommand("measure")) return RunMeasure(line.measure);
   if (program.got_subcommand("info")) return RunInfo(line.info_path, line.info_flags);
   if (program.got_subcommand("sample")) return RunSample(line.sample_path);
+  if (program.got_subcommand("figures")) return RunFigures(line.figures_path);
   std::cout << "meshfront " << kClientVersion << "\n";
   return ExitCode::kDone;
 }

@@ -9,6 +9,7 @@
 #include "absl/time/clock.h"
 #include "client/cli/commands.h"
 #include "client/cli/connection.h"
+#include "client/cli/figures.h"
 #include "client/cli/input.h"
 #include "client/cli/picture/before_after.h"
 #include "client/cli/process.h"
@@ -177,11 +178,12 @@ class RemeshCommand {
   }
 
   ExitCode WriteStats() {
-    if (arguments_.stats.empty()) return ExitCode::kDone;
     figures_.remote = remote();
     figures_.peak_rss_bytes = PeakRssBytes();
-    const std::string text = StatsJson(kClientVersion, summary_, figures_).dump(2) + "\n";
-    const absl::Status written = WriteWholeFile(arguments_.stats, text);
+    const nlohmann::ordered_json stats = StatsJson(kClientVersion, summary_, figures_);
+    if (!arguments_.quiet && IsTerminal(std::cerr)) std::cerr << FiguresTable(stats);
+    if (arguments_.stats.empty()) return ExitCode::kDone;
+    const absl::Status written = WriteWholeFile(arguments_.stats, stats.dump(2) + "\n");
     return written.ok() ? ExitCode::kDone : Fail(ExitCode::kOutput, written);
   }
 
