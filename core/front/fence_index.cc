@@ -80,24 +80,26 @@ void FenceIndex::LinkSlot(uint32_t slot) {
 void FenceIndex::Rehash() {
   buckets_.assign(2 * buckets_.size(), kNone);
   for (uint32_t i = 0; i < slots_.size(); ++i) {
-    if (slots_[i].linked) LinkSlot(i);
+    if (slots_[i].level >= 0) LinkSlot(i);
   }
 }
 
 void FenceIndex::Insert(FrontEdgeId edge) {
-  if (slots_.size() <= edge.index()) slots_.resize(std::max<size_t>(edge.index() + 1, 2 * slots_.size()));
+  if (slots_.size() <= edge.index()) {
+    slots_.resize(std::max<size_t>(edge.index() + 1, 2 * slots_.size()));
+    fences_.resize(slots_.size());
+  }
   Slot& s = slots_[edge.index()];
   const WindowVertexId from = fronts_->From(edge), to = fronts_->To(edge);
   const WindowVertex &a = fronts_->at(from), &b = fronts_->at(to);
   const double length = Distance(a.position, b.position);
-  s.fence = {edge, from, to, a.position, b.position, Normalized(a.source.normal + b.source.normal),
-             FenceHalfHeight(length, std::max(a.max_curvature, b.max_curvature))};
+  fences_[edge.index()] = {edge, from, to, a.position, b.position, Normalized(a.source.normal + b.source.normal),
+      FenceHalfHeight(length, std::max(a.max_curvature, b.max_curvature))};
   s.middle = 0.5 * (a.position + b.position);
   s.half_length = 0.5 * length;
   s.level = std::clamp((length > 0 ? std::ilogb(length) : -1074) + kLevelOffset, 0, kLevels - 1);
   const double size = CellSize(s.level);
   s.cell = CellOf(s.level, CellCoordinate(s.middle.x, size), CellCoordinate(s.middle.y, size), CellCoordinate(s.middle.z, size));
-  s.linked = true;
   if (level_count_[s.level]++ == 0) {
     levels_in_use_.insert(std::lower_bound(levels_in_use_.begin(), levels_in_use_.end(), s.level), s.level);
   }
@@ -107,8 +109,7 @@ void FenceIndex::Insert(FrontEdgeId edge) {
 
 void FenceIndex::Erase(FrontEdgeId edge) {
   Slot& s = slots_[edge.index()];
-  if (!s.linked) return;
-  s.linked = false;
+  if (s.level < 0) return;
   if (s.prev != kNone) slots_[s.prev].next = s.next;
   else Bucket(s.cell) = s.next;
   if (s.next != kNone) slots_[s.next].prev = s.prev;
@@ -116,6 +117,7 @@ void FenceIndex::Erase(FrontEdgeId edge) {
   if (--level_count_[s.level] == 0) {
     levels_in_use_.erase(std::lower_bound(levels_in_use_.begin(), levels_in_use_.end(), s.level));
   }
+  s.level = -1;
 }
 
 void FenceIndex::Query(const Vec3& center, double radius, std::vector<FrontEdgeId>& found) const {
@@ -134,7 +136,7 @@ void FenceIndex::Query(const Vec3& center, double radius, std::vector<FrontEdgeI
     };
     if (cells > 4.0 * level_count_[level] + 64) {  // a wide look among few short edges
       for (uint32_t i = 0; i < slots_.size(); ++i) {
-        if (slots_[i].linked && slots_[i].level == level) consider(i);
+        if (slots_[i].level == level) consider(i);
       }
       continue;
     }

@@ -48,20 +48,19 @@ class FenceIndex {
 
   void Insert(FrontEdgeId edge);  // reads its geometry: vertices on a front do not move
   void Erase(FrontEdgeId edge);
-  const Fence& at(FrontEdgeId edge) const { return slots_[edge.index()].fence; }
+  const Fence& at(FrontEdgeId edge) const { return fences_[edge.index()]; }
   // Appends the edges that may come within `radius` of `center` (all that do, and some that do not), in an order that depends on
   // the history of inserts and erasures only.
   void Query(const Vec3& center, double radius, std::vector<FrontEdgeId>& found) const;
 
  private:
+  // What a query reads of an edge, apart from its fence: one cache line.
   struct Slot {
-    Fence fence;
     Vec3 middle;
     double half_length = 0;
     uint64_t cell = 0;
-    int level = 0;
     uint32_t next = kNone, prev = kNone;
-    bool linked = false;
+    int level = -1;  // −1: not in the index
   };
   static constexpr uint32_t kNone = 0xffffffffu;
   static constexpr int kLevels = 2100;  // every exponent a double has
@@ -73,6 +72,7 @@ class FenceIndex {
 
   const FrontSet* fronts_;
   std::vector<Slot> slots_;
+  std::vector<Fence> fences_;
   std::vector<uint32_t> buckets_;
   std::vector<uint32_t> level_count_;
   std::vector<int> levels_in_use_;

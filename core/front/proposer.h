@@ -39,7 +39,7 @@ struct Strictness {
   double sheet_tolerance;    // distance of midpoints and centroid from the sheet, in parts of the longest side
 };
 inline constexpr std::array<Strictness, 4> kStrictness = {{{"strict", 0.5, 0.2, 1.0, 1.0, 0.35},
-                                                           {"wide", 0.35, 0.1, 1.5, 1.5, 0.45},
+                                                           {"wide", 0.35, 0.1, 1.7, 1.8, 0.45},
                                                            {"tolerant", 0.15, 0.02, 2.0, 2.0, 0.6},
                                                            {"any", -0.2, 0.0, 3.0, 4.0, 1.0}}};
 

@@ -14,8 +14,8 @@ inline constexpr double kFreeClearance = 0.5;
 // A working area reaches this many lengths of the edge that opened it.
 inline constexpr double kAreaRadius = 10.0;
 // A front edge looks for connection vertices within this many times its length or g.
-inline constexpr double kSearchRange = 2.0;
+inline constexpr double kSearchRange = 1.6;
 // Sides of a connection triangle: at most this many times the guidance at their ends.
-inline constexpr double kMaxSidePerGuidance = 2.2;
+inline constexpr double kMaxSidePerGuidance = 1.7;
 
 }  // namespace meshfront::front_tolerances
