@@ -5,6 +5,7 @@
 
 #include "core/geometry/bvh.h"
 #include "core/mesh/adjacency.h"
+#include "core/mesh/repair.h"
 #include "core/mesh/topology.h"
 #include "tests/core/mesh/mesh_shapes.h"
 
@@ -44,6 +45,23 @@ void BM_MeasureTopology(benchmark::State& state) {
   CountPerTriangle(state, mesh);
 }
 BENCHMARK(BM_MeasureTopology)->Arg(200)->Arg(700);
+
+// A clean mesh: what every job pays.
+void BM_RepairCleanMesh(benchmark::State& state) {
+  TriangleMesh mesh = TorusOf(int(state.range(0)));
+  for (auto _ : state) mesh = std::move(RepairMesh(std::move(mesh), Context{})->mesh);
+  CountPerTriangle(state, mesh);
+}
+BENCHMARK(BM_RepairCleanMesh)->Arg(200)->Arg(370)->Arg(700);
+
+// Every third face reversed and a rim to weld: the long way.
+void BM_RepairBrokenMesh(benchmark::State& state) {
+  TriangleMesh mesh = TorusOf(int(state.range(0)));
+  for (size_t f = 0; f < mesh.triangles.size(); f += 3) shapes::Reverse(mesh.triangles[f]);
+  for (auto _ : state) benchmark::DoNotOptimize(RepairMesh(mesh, Context{}));
+  CountPerTriangle(state, mesh);
+}
+BENCHMARK(BM_RepairBrokenMesh)->Arg(200)->Arg(700);
 
 void BM_BuildBvh(benchmark::State& state) {
   const TriangleMesh& mesh = TorusOf(int(state.range(0)));
