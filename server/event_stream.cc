@@ -85,6 +85,9 @@ void EventStream::Pump(std::unique_lock<std::mutex>& lock) {
       ended_ = true;
     } else if (writing_ || !open_) {
       break;
+    } else if (progress_ && taken_count_ > 0) {  // before chunks, which would starve it; after the first event
+      *event.emplace().mutable_progress() = *progress_;
+      progress_.reset();
     } else if (!ring_.empty()) {
       event = std::move(ring_.front());
       ring_.pop_front();
@@ -92,9 +95,6 @@ void EventStream::Pump(std::unique_lock<std::mutex>& lock) {
       taken_.notify_all();
     } else if (final_) {
       ended_ = true;
-    } else if (progress_) {
-      *event.emplace().mutable_progress() = *progress_;
-      progress_.reset();
     } else {
       break;
     }

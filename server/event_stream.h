@@ -41,7 +41,7 @@ class EventStream {
   void Open(v1::MeshEvent first);
   // Hands over an event in order; blocks while the ring is full. Aborted when the reader stalls, Cancelled after the end.
   absl::Status Push(v1::MeshEvent event);
-  // The newest progress replaces one that was not written yet; never blocks, never fails.
+  // The newest progress replaces one that was not written yet and goes before what is in the ring; never blocks, never fails.
   void SetProgress(const v1::Progress& progress);
   // Blocks until every event was taken by the writer; errors as Push.
   absl::Status Drain();

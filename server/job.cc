@@ -190,6 +190,8 @@ void RunGuarded(ServiceState& state, Job& job, Body body) {
   } catch (...) {
     status = absl::InternalError("exception of unknown type");
   }
+  // An error overtakes what is in the ring; here that would be the list of defects.
+  if (absl::IsFailedPrecondition(status)) (void)job.events->Drain();
   job.events->Close(Presentable(state, job, status));
 }
 

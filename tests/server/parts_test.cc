@@ -1,0 +1,106 @@
+// The small parts: pool, gate, leases, addresses, log.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <thread>
+
+#include "proto/wire/errors.h"
+#include "server/call_gate.h"
+#include "server/config.h"
+#include "server/pending_bytes.h"
+#include "server/upload_watch.h"
+#include "server/worker_pool.h"
+#include "tests/server/fakes.h"
+
+namespace meshfront {
+namespace {
+
+TEST(WorkerPool, RunsEveryJobItTook) {
+  std::atomic<int> ran{0};
+  {
+    WorkerPool pool(3, 1000);
+    for (int i = 0; i < 500; ++i) ASSERT_TRUE(pool.Submit([&] { ++ran; }).ok());
+  }
+  EXPECT_EQ(ran, 500);
+}
+
+TEST(WorkerPool, RefusesWhatItsQueueCannotHoldAndSaysWhenToRetry) {
+  Signal started, release;
+  WorkerPool pool(1, 1);
+  ASSERT_EQ(pool.Submit([&] { started.Set(), release.Wait(); })->position, 0u);
+  ASSERT_TRUE(started.Wait());
+  EXPECT_EQ(pool.Submit([] {})->position, 1u);
+  const absl::Status refused = pool.Submit([] {}).status();
+  EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(ReasonOf(refused).reason, "QUEUE_FULL");
+  EXPECT_TRUE(refused.GetPayload("type.googleapis.com/google.rpc.RetryInfo"));
+  EXPECT_FALSE(pool.CheckRoom().ok());
+  release.Set();
+}
+
+TEST(WorkerPool, TakesAJobOutOfTheQueueButNotFromAWorker) {
+  Signal started, release;
+  bool ran = false;
+  {
+    WorkerPool pool(1, 8);
+    const uint64_t running = pool.Submit([&] { started.Set(), release.Wait(); })->id;
+    ASSERT_TRUE(started.Wait());
+    const uint64_t waiting = pool.Submit([&] { ran = true; })->id;
+    EXPECT_FALSE(pool.Remove(running));
+    EXPECT_TRUE(pool.Remove(waiting));
+    EXPECT_FALSE(pool.Remove(waiting));
+    release.Set();
+  }
+  EXPECT_FALSE(ran);
+}
+
+TEST(CallGate, LetsNobodyInWhileDrainingAndWaitsForThoseInside) {
+  CallGate gate;
+  ASSERT_TRUE(gate.Enter().ok());
+  gate.Drain();
+  const absl::Status refused = gate.Enter();
+  EXPECT_EQ(refused.code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(ReasonOf(refused).reason, "DRAINING");
+  EXPECT_FALSE(gate.WaitUntilIdle(absl::Milliseconds(1)));
+  gate.Leave();
+  EXPECT_TRUE(gate.WaitUntilIdle(absl::Seconds(30)));
+}
+
+TEST(PendingBytes, AreGivenBackWithTheLease) {
+  PendingBytes pending(100);
+  {
+    PendingBytes::Lease first(pending), second(pending);
+    EXPECT_TRUE(first.Take(60).ok());
+    EXPECT_EQ(second.Take(60).code(), absl::StatusCode::kResourceExhausted);
+  }
+  PendingBytes::Lease third(pending);
+  EXPECT_TRUE(third.Take(100).ok());
+}
+
+TEST(UploadWatch, AbortsACallThatSendsNothing) {
+  struct Writer : EventWriter {
+    void StartEvent(v1::MeshEvent) override {}
+    void EndCall(const absl::Status& s) override {
+      status = s;
+      ended.Set();
+    }
+    absl::Status status;
+    Signal ended;
+  } writer;
+  UploadWatch watch(absl::Milliseconds(5));
+  watch.Add(std::make_shared<EventStream>(&writer, absl::InfiniteDuration()));
+  ASSERT_TRUE(writer.ended.Wait());
+  EXPECT_EQ(writer.status.code(), absl::StatusCode::kAborted);
+  EXPECT_EQ(ReasonOf(writer.status).reason, "UPLOAD_STALLED");
+}
+
+TEST(IsLoopback, KnowsWhatOtherMachinesReach) {
+  for (const char* here : {"127.0.0.1:0", "127.8.9.1:5", "localhost:1", "[::1]:50051", "unix:/tmp/x"}) EXPECT_TRUE(IsLoopback(here)) << here;
+  for (const char* there : {"0.0.0.0:1", "[::]:1", "10.0.0.1:1", "127.evil.example:1", "example.org:1", ":50051"}) {
+    EXPECT_FALSE(IsLoopback(there)) << there;
+  }
+}
+
+}  // namespace
+}  // namespace meshfront
