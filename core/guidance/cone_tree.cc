@@ -1,13 +1,15 @@
-// A query descends to the child whose cones could be lowest, keeps the other with its bound, and cuts off what cannot be below
-// the best value so far (Fig. 7 as branch and bound):
-//   1. the bound of a node is slope · distance to its box + lowest apex below it (BoundOf);
+// A query descends to the child whose cones could be lowest, keeps the others with their bounds, and cuts off what cannot be
+// below the best value so far (Fig. 7 as branch and bound):
+//   1. the bound of a child is slope · distance to its box + lowest apex below it, four at a time (BoundChildren);
 //   2. a leaf is scanned four cones at a time (MinOfLeaf).
 // Rejected: Fig. 7 as printed, samples in order of distance. It stops at distance γ/(1 − 1/η), which looks at all cones inside
-// a ball of six edge lengths; the apex heights in the nodes cut most of those off.
+// a ball of six edge lengths; the apex heights in the nodes cut most of those off. Two children a node: 17 nodes and 4 leaves
+// are seen by a query of a scanned model's field, and the nodes cost more than the leaves.
 #include "core/guidance/cone_tree.h"
 
 #include <algorithm>
 #include <cmath>
+#include <experimental/simd>
 #include <limits>
 
 #include "core/guidance/tolerances.h"
@@ -16,14 +18,34 @@ namespace meshfront {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kLanes = 4;
-// The median split halves, and indices have 32 bits, so no path is longer.
-constexpr int kMaxDepth = 40;
+constexpr uint32_t kLeafBit = 0x80000000u;
+constexpr uint32_t kNoLane = 4;  // skips none
+// Every level divides by four down to the leaves, and indices have 32 bits: no path is longer than 17 nodes, each of which leaves
+// at most three children waiting.
+constexpr int kMaxWaiting = 64;
+
+// Four doubles side by side. Each lane rounds as a scalar does, so vectors change no bit.
+namespace simd = std::experimental;
+using Lanes = simd::fixed_size_simd<double, 4>;
+Lanes LanesAt(const double* values) { return Lanes(values, simd::element_aligned); }
 
 int LongestAxis(const Box3& box) {
   const Vec3 extent = box.max - box.min;
   if (extent.x >= extent.y && extent.x >= extent.z) return 0;
   return extent.y >= extent.z ? 1 : 2;
+}
+
+// Puts the lower half along the longest axis first; returns its size. Ties by index.
+template <class Item>
+size_t SplitAtMedian(absl::Span<Item> items) {
+  Box3 box;
+  for (const Item& item : items) box.Extend(item.position);
+  const int axis = LongestAxis(box);
+  const size_t half = items.size() / 2;
+  std::nth_element(items.begin(), items.begin() + half, items.end(), [axis](const Item& a, const Item& b) {
+    return a.position[axis] != b.position[axis] ? a.position[axis] < b.position[axis] : a.cone < b.cone;
+  });
+  return half;
 }
 
 }  // namespace
@@ -33,45 +55,50 @@ ConeTree::ConeTree(absl::Span<const Cone> cones, double slope, int leaf_size)
   if (cones.empty()) return;
   std::vector<Item> items(cones.size());
   for (uint32_t i = 0; i < cones.size(); ++i) items[i] = {cones[i].position, cones[i].apex, i};
-  nodes_.reserve(4 * cones.size() / leaf_size + 2);
-  blocks_.reserve(2 * cones.size() / kLanes + 2);
-  nodes_.emplace_back();
-  parents_.push_back(0);
-  Build(0, absl::MakeSpan(items));
+  Build(absl::MakeSpan(items), {});
 }
 
-void ConeTree::Build(uint32_t node, absl::Span<Item> items) {
+// Makes the node of these items and all below it. Halves twice, except halves that are leaves already.
+uint32_t ConeTree::Build(absl::Span<Item> items, const Place& place) {
+  const uint32_t node = static_cast<uint32_t>(nodes_.size());
+  std::fill_n(nodes_.emplace_back().min_apex, kLanes, kInfinity);
+  parents_.push_back(place);
+  uint32_t lane = 0;
+  const size_t half = items.size() > leaf_size_ ? SplitAtMedian(items) : items.size();
+  for (absl::Span<Item> part : {items.first(half), items.subspan(half)}) {
+    if (part.empty()) continue;
+    const size_t quarter = part.size() > leaf_size_ ? SplitAtMedian(part) : part.size();
+    Attach({node, lane++}, part.first(quarter));
+    if (quarter < part.size()) Attach({node, lane++}, part.subspan(quarter));
+  }
+  return node;
+}
+
+void ConeTree::Attach(const Place& place, absl::Span<Item> items) {
   Box3 box;
   double min_apex = kInfinity;
   for (const Item& item : items) {
     box.Extend(item.position);
     min_apex = std::min(min_apex, item.apex);
   }
-  nodes_[node].box = box;
-  nodes_[node].min_apex = min_apex;
-  if (items.size() <= static_cast<size_t>(leaf_size_)) return MakeLeaf(node, items);
-  const int axis = LongestAxis(box);
-  const size_t half = items.size() / 2;
-  std::nth_element(items.begin(), items.begin() + half, items.end(), [axis](const Item& a, const Item& b) {
-    return a.position[axis] != b.position[axis] ? a.position[axis] < b.position[axis] : a.cone < b.cone;
-  });
-  const uint32_t left = static_cast<uint32_t>(nodes_.size());
-  nodes_[node].first = left;
-  nodes_.resize(left + 2);
-  parents_.resize(left + 2, node);
-  Build(left, items.first(half));
-  Build(left + 1, items.subspan(half));
+  const uint32_t child = items.size() > leaf_size_ ? Build(items, place) : MakeLeaf(items, place);
+  Node& node = nodes_[place.node];
+  const uint32_t i = place.lane;
+  node.min_x[i] = box.min.x, node.min_y[i] = box.min.y, node.min_z[i] = box.min.z;
+  node.max_x[i] = box.max.x, node.max_y[i] = box.max.y, node.max_z[i] = box.max.z;
+  node.min_apex[i] = min_apex;
+  node.child[i] = child;
 }
 
-void ConeTree::MakeLeaf(uint32_t node, absl::Span<const Item> items) {
-  nodes_[node].first = static_cast<uint32_t>(blocks_.size());
-  nodes_[node].block_count = static_cast<uint32_t>((items.size() + kLanes - 1) / kLanes);
+uint32_t ConeTree::MakeLeaf(absl::Span<const Item> items, const Place& place) {
+  const uint32_t leaf = static_cast<uint32_t>(leaves_.size());
+  leaves_.push_back({static_cast<uint32_t>(blocks_.size()),
+                     static_cast<uint32_t>((items.size() + kLanes - 1) / kLanes), place});
   for (size_t i = 0; i < items.size(); ++i) {
     const int lane = i % kLanes;
     if (lane == 0) {
-      blocks_.emplace_back();
-      std::fill_n(blocks_.back().apex, kLanes, kInfinity);
-      leaves_.push_back(node);
+      std::fill_n(blocks_.emplace_back().apex, kLanes, kInfinity);
+      leaf_of_.push_back(leaf);
     }
     Block& block = blocks_.back();
     block.x[lane] = items[i].position.x;
@@ -80,55 +107,66 @@ void ConeTree::MakeLeaf(uint32_t node, absl::Span<const Item> items) {
     block.apex[lane] = items[i].apex;
     slots_[items[i].cone] = static_cast<uint32_t>(kLanes * (blocks_.size() - 1) + lane);
   }
+  return kLeafBit | leaf;
 }
 
-inline double ConeTree::BoundOf(const Node& node, const Vec3& x) const {
-  return (slope_ * std::sqrt(node.box.SquaredDistanceTo(x)) + node.min_apex) * kPruneShrink;
+inline void ConeTree::BoundChildren(const Node& node, const Vec3& x, double bounds[kLanes]) const {
+  const Lanes dx = max(max(LanesAt(node.min_x) - x.x, x.x - LanesAt(node.max_x)), Lanes(0.0));
+  const Lanes dy = max(max(LanesAt(node.min_y) - x.y, x.y - LanesAt(node.max_y)), Lanes(0.0));
+  const Lanes dz = max(max(LanesAt(node.min_z) - x.z, x.z - LanesAt(node.max_z)), Lanes(0.0));
+  const Lanes bound = (slope_ * sqrt(dx * dx + dy * dy + dz * dz) + LanesAt(node.min_apex)) * kPruneShrink;
+  bound.copy_to(bounds, simd::element_aligned);
 }
 
-inline double ConeTree::MinOfLeaf(const Node& leaf, const Vec3& x) const {
-  double lowest[kLanes] = {kInfinity, kInfinity, kInfinity, kInfinity};
-  for (uint32_t b = leaf.first; b != leaf.first + leaf.block_count; ++b) {
+inline double ConeTree::MinOfLeaf(const Leaf& leaf, const Vec3& x) const {
+  Lanes lowest(kInfinity);
+  for (uint32_t b = leaf.first_block; b != leaf.first_block + leaf.block_count; ++b) {
     const Block& block = blocks_[b];
-    for (int i = 0; i < kLanes; ++i) {
-      const double dx = x.x - block.x[i], dy = x.y - block.y[i], dz = x.z - block.z[i];
-      const double height = slope_ * std::sqrt(dx * dx + dy * dy + dz * dz) + block.apex[i];
-      lowest[i] = height < lowest[i] ? height : lowest[i];
-    }
+    const Lanes dx = x.x - LanesAt(block.x), dy = x.y - LanesAt(block.y), dz = x.z - LanesAt(block.z);
+    lowest = min(lowest, slope_ * sqrt(dx * dx + dy * dy + dz * dz) + LanesAt(block.apex));
   }
-  return std::min(std::min(lowest[0], lowest[1]), std::min(lowest[2], lowest[3]));
+  return hmin(lowest);
 }
 
-// The minimum below `root` if it is below `limit`; with `first_hit` the first value below `limit` that turns up.
-double ConeTree::SearchBelow(uint32_t root, const Vec3& x, double limit, bool first_hit) const {
-  Visit stack[kMaxDepth];
-  int depth = 0;
+// The minimum below `root`, one of its lanes left out, if it is below `limit`; with `first_hit` the first value below `limit`
+// that turns up.
+double ConeTree::SearchBelow(uint32_t root, uint32_t skipped_lane, const Vec3& x, double limit, bool first_hit) const {
+  struct {
+    double bound;
+    uint32_t child;
+  } waiting[kMaxWaiting];
+  int count = 0;
   double best = kInfinity;
-  Visit at{BoundOf(nodes_[root], x), root};
+  uint32_t at = root;
   while (true) {
-    while (at.bound < limit) {
-      const Node& node = nodes_[at.node];
-      if (node.block_count > 0) {
-        best = std::min(best, MinOfLeaf(node, x));
-        if (best < limit) {
-          if (first_hit) return best;
-          limit = best;
-        }
-        break;
+    if (at & kLeafBit) {
+      best = std::min(best, MinOfLeaf(leaves_[at ^ kLeafBit], x));
+      if (first_hit && best < limit) return best;
+      limit = std::min(limit, best);
+    } else {
+      double bounds[kLanes];
+      BoundChildren(nodes_[at], x, bounds);
+      if (skipped_lane != kNoLane) bounds[skipped_lane] = kInfinity;
+      skipped_lane = kNoLane;
+      // The most promising child ends on top.
+      double lowest = kInfinity;
+      for (int i = 0; i < kLanes; ++i) {
+        if (!(bounds[i] < limit)) continue;
+        waiting[count++] = {bounds[i], nodes_[at].child[i]};
+        if (bounds[i] >= lowest) std::swap(waiting[count - 1], waiting[count - 2]);
+        lowest = std::min(lowest, bounds[i]);
       }
-      Visit near{BoundOf(nodes_[node.first], x), node.first};
-      Visit far{BoundOf(nodes_[node.first + 1], x), node.first + 1};
-      if (far.bound < near.bound) std::swap(near, far);
-      if (far.bound < limit) stack[depth++] = far;
-      at = near;
     }
-    if (depth == 0) return best;
-    at = stack[--depth];
+    do {
+      if (count == 0) return best;
+      --count;
+    } while (!(waiting[count].bound < limit));
+    at = waiting[count].child;
   }
 }
 
 double ConeTree::MinAt(const Vec3& x, double limit) const {
-  return nodes_.empty() ? kInfinity : SearchBelow(0, x, limit, false);
+  return nodes_.empty() ? kInfinity : SearchBelow(0, kNoLane, x, limit, false);
 }
 
 bool ConeTree::AnyAtMost(uint32_t except, double height) const {
@@ -137,25 +175,22 @@ bool ConeTree::AnyAtMost(uint32_t except, double height) const {
   const int lane = slot % kLanes;
   const Vec3 x{block.x[lane], block.y[lane], block.z[lane]};
   const double limit = std::nextafter(height, kInfinity);  // at most = below the next number
-  uint32_t node = leaves_[slot / kLanes];
-  if (SearchBelow(node, x, limit, true) < limit) return true;
-  while (node != 0) {
-    const uint32_t parent = parents_[node];
-    const uint32_t sibling = 2 * nodes_[parent].first + 1 - node;
-    if (SearchBelow(sibling, x, limit, true) < limit) return true;
-    node = parent;
+  const Leaf& leaf = leaves_[leaf_of_[slot / kLanes]];
+  if (MinOfLeaf(leaf, x) < limit) return true;
+  for (Place place = leaf.place;; place = parents_[place.node]) {
+    if (SearchBelow(place.node, place.lane, x, limit, true) < limit) return true;
+    if (place.node == 0) return false;
   }
-  return false;
 }
 
 void ConeTree::Activate(uint32_t cone, double apex) {
   const uint32_t slot = slots_[cone];
   blocks_[slot / kLanes].apex[slot % kLanes] = apex;
-  uint32_t node = leaves_[slot / kLanes];
-  while (nodes_[node].min_apex > apex) {
-    nodes_[node].min_apex = apex;
-    if (node == 0) break;
-    node = parents_[node];
+  Place place = leaves_[leaf_of_[slot / kLanes]].place;
+  while (nodes_[place.node].min_apex[place.lane] > apex) {
+    nodes_[place.node].min_apex[place.lane] = apex;
+    if (place.node == 0) break;
+    place = parents_[place.node];
   }
 }
 

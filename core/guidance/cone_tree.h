@@ -34,40 +34,48 @@ class ConeTree {
   void Activate(uint32_t cone, double apex);
 
  private:
+  static constexpr int kLanes = 4;  // cones of a block, children of a node: two SSE2 registers of doubles each
+
   // Four cones side by side, so that a leaf is scanned without gathers. Unused places hold apex +infinity.
   struct Block {
-    double x[4] = {}, y[4] = {}, z[4] = {}, apex[4];
+    double x[kLanes] = {}, y[kLanes] = {}, z[kLanes] = {}, apex[kLanes];
   };
-  // One cache line. Children lie side by side; a leaf has none and `block_count` > 0.
+  // Up to four children, bounded side by side. Unused ones, and those without an active cone, hold apex +infinity.
   struct alignas(64) Node {
-    Box3 box;
-    double min_apex;
-    uint32_t first = 0;  // left child, or first block
-    uint32_t block_count = 0;
+    double min_x[kLanes] = {}, min_y[kLanes] = {}, min_z[kLanes] = {};
+    double max_x[kLanes] = {}, max_y[kLanes] = {}, max_z[kLanes] = {};
+    double min_apex[kLanes];
+    uint32_t child[kLanes] = {};  // an inner node, or kLeafBit | leaf
+  };
+  // Where a node or leaf hangs: `lane` of `node`.
+  struct Place {
+    uint32_t node = 0, lane = 0;
+  };
+  struct Leaf {
+    uint32_t first_block = 0, block_count = 0;
+    Place place;
   };
   struct Item {
     Vec3 position;
     double apex;
     uint32_t cone;
   };
-  struct Visit {
-    double bound;
-    uint32_t node;
-  };
 
-  void Build(uint32_t node, absl::Span<Item> items);
-  void MakeLeaf(uint32_t node, absl::Span<const Item> items);
-  double BoundOf(const Node& node, const Vec3& x) const;
-  double MinOfLeaf(const Node& leaf, const Vec3& x) const;
-  double SearchBelow(uint32_t root, const Vec3& x, double limit, bool first_hit) const;
+  uint32_t Build(absl::Span<Item> items, const Place& place);
+  void Attach(const Place& place, absl::Span<Item> items);
+  uint32_t MakeLeaf(absl::Span<const Item> items, const Place& place);
+  void BoundChildren(const Node& node, const Vec3& x, double bounds[kLanes]) const;
+  double MinOfLeaf(const Leaf& leaf, const Vec3& x) const;
+  double SearchBelow(uint32_t root, uint32_t skipped_lane, const Vec3& x, double limit, bool first_hit) const;
 
   double slope_;
-  int leaf_size_;
-  std::vector<Node> nodes_;
+  size_t leaf_size_;
+  std::vector<Node> nodes_;     // the root first
+  std::vector<Place> parents_;  // of nodes
+  std::vector<Leaf> leaves_;
   std::vector<Block> blocks_;
-  std::vector<uint32_t> parents_;  // of nodes
   std::vector<uint32_t> slots_;    // of cones: 4 · block + lane
-  std::vector<uint32_t> leaves_;   // of blocks: their node
+  std::vector<uint32_t> leaf_of_;  // of blocks
 };
 
 }  // namespace meshfront

@@ -16,7 +16,7 @@
 namespace meshfront {
 namespace {
 
-constexpr int kLeafSize = 16;  // 8 and 64 are slower on random queries, 32 equal
+constexpr int kLeafSize = 16;  // 8 is 30 % slower, 32 equal on a scanned model's field
 
 absl::Status CheckOptions(const GuidanceOptions& options) {
   if (!(options.eta > 1 && options.eta < 2)) {
