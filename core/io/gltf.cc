@@ -9,6 +9,7 @@
 #include <functional>
 
 #include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
 #include "absl/strings/ascii.h"
 #include "core/base/status_macros.h"
 #include "core/io/gltf_file.h"
@@ -239,14 +240,13 @@ class SceneReader {
   }
 
   absl::Status CountMesh(JsonValue mesh, uint64_t index) {
-    shared_.clear();
+    // Sums stay far from overflow: a step adds less than the file has bytes, and there are fewer steps than that.
+    absl::flat_hash_set<const GltfAccessor*> of_surfaces, of_points;
     return ForEachPrimitive(mesh, index, [&](JsonValue json, const Primitive& p) {
-      const bool is_new = shared_.emplace(p.positions, 0).second;
-      if (p.is_surface()) triangles_ += p.triangles();
-      // An upper bound: positions that points and triangles share count for both.
-      if (is_new || !p.is_surface()) (p.is_surface() ? vertices_ : point_vertices_) += p.positions->count;
+      const bool is_new = (p.is_surface() ? of_surfaces : of_points).insert(p.positions).second;
+      if (is_new) (p.is_surface() ? vertices_ : point_vertices_) += p.positions->count;
+      triangles_ += p.triangles();
       NoteAttributes(json);
-      // Sums stay far from overflow: each step adds less than the file has bytes, at most 2⁴⁰ steps.
       return absl::OkStatus();
     });
   }
