@@ -76,11 +76,10 @@ struct Interruption::State {
 Interruption::Interruption() : state_(std::make_unique<State>()) {
   sigemptyset(&state_->signals);
   sigaddset(&state_->signals, State::kWakeUp);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
-    struct sigaction action;
-    // What the parent had us ignore (nohup, a background job) stays ignored.
-    if (sigaction(signal, nullptr, &action) == 0 && action.sa_handler != SIG_IGN) sigaddset(&state_->signals, signal);
-  }
+  // SIGINT even where it is ignored: a shell does that to the background jobs of a script, which sends it on purpose.
+  for (const int signal : {SIGINT, SIGTERM}) sigaddset(&state_->signals, signal);
+  struct sigaction action;  // nohup had us ignore SIGHUP: that stays
+  if (sigaction(SIGHUP, nullptr, &action) == 0 && action.sa_handler != SIG_IGN) sigaddset(&state_->signals, SIGHUP);
   pthread_sigmask(SIG_BLOCK, &state_->signals, &state_->before);
   state_->waiter = std::thread([state = state_.get()] { state->Wait(); });
 }

@@ -141,6 +141,10 @@ class RemeshCommand {
 
   ExitCode FailCall(const absl::Status& status) {
     const ExitCode code = ExitCodeOfCall(status);
+    if (absl::IsDeadlineExceeded(status)) {  // gRPC's own text says neither what nor how long
+      return Fail(code, absl::DeadlineExceededError(absl::StrCat("the call took longer than --timeout ", timeout_, " s")));
+    }
+    if (absl::IsCancelled(status)) return Fail(code, absl::CancelledError("cancelled"));
     if (code == ExitCode::kServer && remote()) {
       return Fail(code, absl::Status(status.code(), absl::StrCat("server ", arguments_.call.server, ": ", status.message())));
     }
