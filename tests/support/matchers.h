@@ -5,6 +5,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "core/mesh/self_intersection.h"
 #include "core/mesh/topology.h"
 #include "core/mesh/triangle_mesh.h"
 #include "gmock/gmock.h"
@@ -69,6 +70,17 @@ MATCHER_P(HasComponents, components, (negation ? "has not " : "has ") + std::to_
   const TopologyReport t = TopologyOf(arg);
   *result_listener << Describe(t);
   return t.components == static_cast<uint64_t>(components);
+}
+// No two triangles have more in common than a corner or a side, exactly.
+MATCHER(HasNoSelfIntersection, negation ? "intersects itself" : "does not intersect itself") {
+  const absl::StatusOr<SelfIntersections> found = FindSelfIntersections(arg, 5, {});
+  if (!found.ok()) {
+    *result_listener << found.status().ToString();
+    return false;
+  }
+  *result_listener << found->pairs << " pairs of faces meet";
+  for (const auto& [a, b] : found->first_pairs) *result_listener << ", " << a.index() << " and " << b.index();
+  return found->pairs == 0;
 }
 
 }  // namespace meshfront::testing

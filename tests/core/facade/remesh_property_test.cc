@@ -19,6 +19,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::Combine;
 using ::testing::IsEmpty;
+using ::testing::Values;
 using ::testing::ValuesIn;
 
 struct Outcome {
@@ -64,24 +65,8 @@ double ForwardDistance(const TriangleMesh& mesh, const Triangle& t, const Triang
   return std::sqrt(worst);
 }
 
-class EveryShape : public ::testing::TestWithParam<std::tuple<ZooShape, double, double>> {
- protected:
-  const ZooShape& shape() const { return std::get<0>(GetParam()); }
-  RemeshOptions options() const { return WithRhoEta(std::get<1>(GetParam()), std::get<2>(GetParam())); }
-};
-
-TEST_P(EveryShape, KeepsItsTopologyAndDoesNotIntersectItself) {
-  const TriangleMesh input = shape().make();
-  const TopologyReport before = MeasureTopology(input);
-  const Outcome out = RemeshOrFail(input, options());
-  EXPECT_TRUE(out.report.complete);
-  EXPECT_THAT(out.mesh, AllOf(IsManifold(), HasComponents(before.components), HasGenus(*before.genus),
-                              HasBoundaryLoops(before.boundary_loops)));
-  EXPECT_THAT(out.mesh, HasNoSelfIntersection());
-}
-
-TEST_P(EveryShape, ReportsWhatItSent) {
-  const Outcome out = RemeshOrFail(shape().make(), options());
+// The report says of the output what can be counted in it.
+void ExpectReportMatches(const Outcome& out) {
   const TopologyReport measured = MeasureTopology(out.mesh);
   EXPECT_EQ(out.report.output.triangles, measured.triangles);
   EXPECT_EQ(out.report.output.vertices, measured.vertices);
@@ -92,6 +77,23 @@ TEST_P(EveryShape, ReportsWhatItSent) {
   const auto& kinds = out.report.triangles_by_kind;
   EXPECT_EQ(kinds.free + kinds.connection + kinds.closing, measured.triangles);
   EXPECT_TRUE(out.report.open_places.empty());
+}
+
+class EveryShape : public ::testing::TestWithParam<std::tuple<ZooShape, double, double>> {
+ protected:
+  const ZooShape& shape() const { return std::get<0>(GetParam()); }
+  RemeshOptions options() const { return WithRhoEta(std::get<1>(GetParam()), std::get<2>(GetParam())); }
+};
+
+TEST_P(EveryShape, KeepsItsTopologyDoesNotIntersectItselfAndIsReportedAsItIs) {
+  const TriangleMesh input = shape().make();
+  const TopologyReport before = MeasureTopology(input);
+  const Outcome out = RemeshOrFail(input, options());
+  EXPECT_TRUE(out.report.complete);
+  EXPECT_THAT(out.mesh, AllOf(IsManifold(), HasComponents(before.components), HasGenus(*before.genus),
+                              HasBoundaryLoops(before.boundary_loops)));
+  EXPECT_THAT(out.mesh, HasNoSelfIntersection());
+  ExpectReportMatches(out);
 }
 
 // Triangles of a smooth surface are no farther from it than eq. 7 says for their own longest edge. What the input's facets are
@@ -119,14 +121,13 @@ std::string NameOf(const ::testing::TestParamInfo<std::tuple<ZooShape, double, d
   return std::get<0>(info.param).name + "Rho" + digits(std::get<1>(info.param)) + "Eta" +
          digits(std::get<2>(info.param));
 }
-#ifdef MESHFRONT_SANITIZED
+#ifdef MESHFRONT_COARSE_ZOO
 const std::vector<double> kRhos{0.8}, kEtas{1.2};
 #else
 const std::vector<double> kRhos{0.4, 0.8, 1.4}, kEtas{1.2, 1.5};
 #endif
 INSTANTIATE_TEST_SUITE_P(Zoo, EveryShape, Combine(ValuesIn(Zoo()), ValuesIn(kRhos), ValuesIn(kEtas)), NameOf);
-INSTANTIATE_TEST_SUITE_P(Zoo, EverySmoothShape, Combine(ValuesIn(SmoothZoo()), ValuesIn(kRhos), ValuesIn(kEtas)),
-                         NameOf);
+INSTANTIATE_TEST_SUITE_P(Zoo, EverySmoothShape, Combine(ValuesIn(SmoothZoo()), ValuesIn(kRhos), Values(1.2)), NameOf);
 
 // A smooth shape at the default options gives triangles as good as the table asks of real models.
 TEST(RemeshQuality, IsThatOfTheTableOnSmoothShapes) {

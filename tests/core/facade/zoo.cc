@@ -7,7 +7,7 @@
 namespace meshfront::testing {
 namespace {
 
-#ifdef MESHFRONT_SANITIZED
+#ifdef MESHFRONT_COARSE_ZOO
 constexpr bool kFine = false;
 #else
 constexpr bool kFine = true;

@@ -7,6 +7,11 @@
 
 #include "core/mesh/triangle_mesh.h"
 
+// Coarser where everything is ten times slower.
+#if defined(MESHFRONT_SANITIZED) || !defined(NDEBUG)
+#define MESHFRONT_COARSE_ZOO
+#endif
+
 namespace meshfront::testing {
 
 struct ZooShape {
@@ -17,7 +22,6 @@ struct ZooShape {
 };
 inline void PrintTo(const ZooShape& shape, std::ostream* out) { *out << shape.name; }
 
-// Coarser under a sanitizer, where everything is ten times slower.
 const std::vector<ZooShape>& Zoo();
 // Those of them that stand for a surface without creases and noise.
 std::vector<ZooShape> SmoothZoo();
