@@ -1,8 +1,8 @@
 // From whatever came in to an oriented manifold:
 //
 // 1. IsClean: most meshes are; they pass untouched.
-// 2. RepairPass, until it finds nothing more: faces without a usable position go (DropUnusable); spikes are moved (MoveSpikes); needles
-//    and loose caps go (DropNeedlesAndLooseCaps), duplicates go (DropDuplicates); the rest is paired edge by edge, oriented, welded
+// 2. RepairPass, until it finds nothing more: faces without a usable position go (DropUnusable); spikes are moved (MoveSpikes); the corners
+//    of a soup that almost meet are made to (SnapSoup); needles and loose caps go (DropNeedlesAndLooseCaps), duplicates go (DropDuplicates); the rest is paired edge by edge, oriented, welded
 //    and given one vertex a fan (MakeOrientedManifold); caps inside are turned (FlipCaps); closed components that face inwards are
 //    reversed (TurnOutwards).
 // 3. DropUnreferenced.
@@ -17,6 +17,7 @@
 #include "core/mesh/repair_degenerate.h"
 #include "core/mesh/repair_outside.h"
 #include "core/mesh/repair_pairing.h"
+#include "core/mesh/repair_snap.h"
 #include "core/mesh/repair_spikes.h"
 #include "core/mesh/repair_survey.h"
 #include "core/mesh/tolerances.h"
@@ -135,13 +136,17 @@ std::vector<uint32_t> RimsOf(const FaceAdjacency& adjacency) {
 bool IsClean(const TriangleMesh& mesh, const MeshSurvey& survey, std::optional<FaceAdjacency>& adjacency) {
   if (survey.unsound_faces > 0 || MayHaveSpikes(survey)) return false;
   adjacency = FindManifoldAdjacency(mesh);
-  return adjacency && !HasCoincidentRims(mesh, RimsOf(*adjacency));
+  if (!adjacency) return false;
+  const std::vector<uint32_t> rims = RimsOf(*adjacency);
+  const bool may_be_soup = 2 * rims.size() >= 3 * mesh.triangles.size();
+  return !may_be_soup && !HasCoincidentRims(mesh, rims);
 }
 
 // True when anything was changed.
 bool RepairPass(TriangleMesh& mesh, const MeshSurvey& survey, ActionCounts& actions) {
   bool changed = DropUnusable(mesh, actions);
   if (MayHaveSpikes(survey)) changed |= actions.Add("moved_spike_vertices", MoveSpikes(mesh));
+  changed |= actions.Add("snapped_vertices", SnapSoup(mesh));
   changed |= actions.Add("dropped_degenerate_faces", DropNeedlesAndLooseCaps(mesh));
   changed |= actions.Add("dropped_duplicate_faces", DropDuplicates(mesh));
   changed |= AddPairingChanges(MakeOrientedManifold(mesh), actions);

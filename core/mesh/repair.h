@@ -12,7 +12,21 @@
 
 namespace meshfront {
 
-// A kind of change and how often it was made, e.g. {"dropped_degenerate_faces", 30}.
+// A kind of change and how often it was made, e.g. {"dropped_degenerate_faces", 30}:
+//   dropped_non_finite_faces, dropped_huge_faces   a corner is not finite, or has a coordinate beyond ±1e150
+//   moved_spike_vertices          a broken number threw it far off; now in the middle of its neighbours
+//   snapped_vertices              of a soup of triangles whose corners almost meet, now at the same position
+//   dropped_degenerate_faces      a repeated index, or no area and nothing to close
+//   flipped_degenerate_faces      no area, inside the surface: its long side was turned into the triangle across
+//   dropped_duplicate_faces       the same three vertices as an earlier one
+//   welded_vertices               gone into another at the same position, where that joins two rims
+//   split_non_manifold_edges      more than two faces met there
+//   split_non_manifold_vertices   new copies of vertices, also at split and cut edges
+//   reversed_faces                to agree with their neighbours
+//   cut_non_orientable_edges      of a component that has one side only
+//   dropped_non_manifold_faces    no copy of a vertex could have made them manifold
+//   reversed_components           closed and inside out
+//   unreferenced_vertices         that no face named; dropped
 struct RepairAction {
   std::string what;
   uint64_t count = 0;
@@ -38,7 +52,9 @@ struct RepairResult {
   TriangleMesh mesh;  // an oriented manifold, perhaps with boundary, no unreferenced vertices
   std::vector<RepairAction> actions;
 };
-// Makes the best oriented manifold of the mesh. InvalidArgument when nothing meshable is left (no finite face with area).
+// Makes the best oriented manifold of the mesh. A mesh that is one passes with its bits and its order; repairing a repaired mesh
+// changes nothing. InvalidArgument when nothing meshable is there (no finite face with area), an index is out of range or the mesh is
+// smaller than 1e-150 across; Cancelled or DeadlineExceeded. 0.15 µs a triangle for clean meshes, about 0.6 µs for others.
 absl::StatusOr<RepairResult> RepairMesh(TriangleMesh mesh, const Context& context);
 // For `--repair off`: OK when the mesh can be meshed as it is (unreferenced vertices never matter), else FailedPrecondition
 // naming the first defects with their places.

@@ -1,8 +1,8 @@
 // Making an oriented manifold:
 //
 // 1. PairByIndex: two faces at an edge are paired; more than two by their angles around it, what is left becomes rim.
-// 2. Orient: each component is walked breadth first; the minority of its faces is reversed. Pairs that contradict the walk belong to
-//    a component that can't be oriented (Möbius, Klein) and are cut: they form curves that end nowhere inside.
+// 2. Orient: each component is walked; the minority of its faces is reversed. Pairs that contradict the walk belong to a component that
+//    can't be oriented (Möbius, Klein) and are cut: they form curves that end nowhere inside.
 // 3. Weld: rims that run in opposite directions between the same positions are paired.
 // 4. AssignVertices: the corners that pairs connect are one fan and get one vertex; a vertex with several fans is copied, vertices in
 //    one fan become one.
@@ -117,36 +117,60 @@ class ManifoldMaker {
 
   void Orient() {
     std::vector<bool> seen(mesh_.triangles.size(), false), reversed(mesh_.triangles.size(), false);
-    std::vector<uint32_t> component;  // a queue that is kept
     for (uint32_t seed = 0; seed < seen.size(); ++seed) {
       if (seen[seed]) continue;
-      component.assign(1, seed);
-      seen[seed] = true;
+      const std::vector<uint32_t> component = WalkComponent(seed, seen, reversed);
       size_t reversals = 0;
-      for (size_t k = 0; k < component.size(); ++k) {
-        for (uint32_t h = 3 * component[k]; h < 3 * component[k] + 3; ++h) {
-          const uint32_t g = partner_[h];
-          if (g == kNoHalfEdge) continue;
-          const bool wanted = reversed[component[k]] != SameDirection(h, g);
-          const uint32_t neighbour = FaceOfHalfEdge(g);
-          if (!seen[neighbour]) {
-            seen[neighbour] = true;
-            reversed[neighbour] = wanted;
-            reversals += wanted;
-            component.push_back(neighbour);
-          } else if (reversed[neighbour] != wanted) {
-            Unpair(h);
-            ++changes_.cut_edges;
-          }
-        }
-      }
+      for (const uint32_t f : component) reversals += reversed[f];
       if (2 * reversals > component.size()) {
         for (const uint32_t f : component) reversed[f] = !reversed[f];
         reversals = component.size() - reversals;
       }
       changes_.reversed_faces += reversals;
+      CutContradictions(component, reversed);
     }
     if (changes_.reversed_faces > 0) Reverse(reversed);
+  }
+
+  // All faces that pairs connect with the seed. Sides that agree already are crossed first, so that as few faces as possible are
+  // reversed and a component that can't be oriented is cut where its file is inconsistent.
+  std::vector<uint32_t> WalkComponent(uint32_t seed, std::vector<bool>& seen, std::vector<bool>& reversed) const {
+    std::vector<uint32_t> component = {seed}, disagreeing;  // queues that are kept; faces and half-edges
+    seen[seed] = true;
+    for (size_t k = 0, d = 0; k < component.size() || d < disagreeing.size();) {
+      if (k == component.size()) {
+        const uint32_t h = disagreeing[d++], neighbour = FaceOfHalfEdge(partner_[h]);
+        if (seen[neighbour]) continue;
+        seen[neighbour] = true;
+        reversed[neighbour] = !reversed[FaceOfHalfEdge(h)];
+        component.push_back(neighbour);
+        continue;
+      }
+      const uint32_t f = component[k++];
+      for (uint32_t h = 3 * f; h < 3 * f + 3; ++h) {
+        const uint32_t g = partner_[h];
+        if (g == kNoHalfEdge || seen[FaceOfHalfEdge(g)]) continue;
+        if (SameDirection(h, g)) {
+          disagreeing.push_back(h);
+          continue;
+        }
+        seen[FaceOfHalfEdge(g)] = true;
+        reversed[FaceOfHalfEdge(g)] = reversed[f];
+        component.push_back(FaceOfHalfEdge(g));
+      }
+    }
+    return component;
+  }
+
+  void CutContradictions(const std::vector<uint32_t>& component, const std::vector<bool>& reversed) {
+    for (const uint32_t f : component) {
+      for (uint32_t h = 3 * f; h < 3 * f + 3; ++h) {
+        const uint32_t g = partner_[h];
+        if (g == kNoHalfEdge || (reversed[f] != reversed[FaceOfHalfEdge(g)]) == SameDirection(h, g)) continue;
+        Unpair(h);
+        ++changes_.cut_edges;
+      }
+    }
   }
 
   // Corners 1 and 2 change places, sides 0 and 2 with them.

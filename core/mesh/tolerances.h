@@ -16,4 +16,9 @@ inline constexpr double kSmallestDiagonal = 1e-150;
 // not a shape.
 inline constexpr double kSpikeRatio = 1e6;
 
+// Corners of a soup this close, in median sides and in shortest sides, are meant to be one: rounding of a few digits leaves less, and
+// no triangle is thinner than that.
+inline constexpr double kSnapToMedianSide = 1e-3;
+inline constexpr double kSnapToShortestSide = 0.25;
+
 }  // namespace meshfront

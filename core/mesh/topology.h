@@ -10,8 +10,8 @@ namespace meshfront {
 
 struct TopologyReport {
   uint64_t vertices = 0;  // used by a triangle
-  uint64_t triangles = 0;      // with three different, finite corners; the others are left out of every count
-  uint64_t components = 0;       // connected by vertices
+  uint64_t triangles = 0;  // with three different, finite corners; the others are left out of every count
+  uint64_t components = 0;  // connected by vertices
   uint64_t boundary_edges = 0;
   uint64_t boundary_loops = 0;
   std::optional<int64_t> genus;  // summed over components, (2 − χ − loops) / 2 each; unset unless manifold and orientable
@@ -21,8 +21,8 @@ struct TopologyReport {
   bool oriented = false;         // no edge that two faces run through in the same direction
 };
 
-// O(n); never fails, whatever the mesh is. Loops are followed around each vertex inside its fan, as
-// they run once pinched vertices are split.
+// O(n); never fails, whatever the mesh is. Loops are followed around each vertex inside its fan, as they run once
+// pinched vertices are split.
 TopologyReport MeasureTopology(const TriangleMesh& mesh);
 
 }  // namespace meshfront

@@ -211,32 +211,43 @@ TEST(Repair, CutsAMoebiusStripOpenOnce) {
   EXPECT_THAT(result.mesh, HasGenus(0));
 }
 
-TEST(Repair, CutsAKleinBottleOpenAlongCurves) {
-  // A torus grid glued with one direction reversed; immersed anyhow, only the connection counts.
-  const int u = 12, v = 10;
-  TriangleMesh mesh = shapes::Torus(u, v);
-  for (int i = 0; i < u; ++i) {
-    for (int j = 0; j < v; ++j) mesh.positions[i * v + j] += Vec3{0.01 * j, 0.02 * i * j, 0.3 * i};
-  }
-  mesh.triangles.clear();
-  const auto id = [&](int i, int j) { return VertexId(i == u ? (v - j % v) % v : i * v + j % v); };
-  for (int i = 0; i < u; ++i) {
-    for (int j = 0; j < v; ++j) {
-      mesh.triangles.push_back({id(i, j), id(i + 1, j), id(i + 1, j + 1)});
-      mesh.triangles.push_back({id(i, j), id(i + 1, j + 1), id(i, j + 1)});
-    }
-  }
-  const RepairResult result = Repaired(mesh);
-  EXPECT_GE(CountOf(result, "cut_non_orientable_edges"), 3u);
-  EXPECT_EQ(CountOf(result, "dropped_non_manifold_faces"), 0u);
-  EXPECT_EQ(result.mesh.triangles.size(), mesh.triangles.size());
-}
-
 TEST(Repair, WeldsASoupBackIntoASphere) {
   const RepairResult result = Repaired(testing::Soup(testing::Icosphere(2)));
   EXPECT_THAT(result.mesh, IsClosedManifold());
   EXPECT_EQ(result.mesh.positions.size(), testing::Icosphere(2).positions.size());
   EXPECT_EQ(CountOf(result, "welded_vertices"), 3 * 320u - 162u);
+}
+
+TEST(Repair, WeldsASoupWhoseCornersAlmostMeet) {
+  const RepairResult result = Repaired(testing::WithNoise(testing::Soup(testing::Icosphere(2)), 1e-5, 4));
+  EXPECT_GT(CountOf(result, "snapped_vertices"), 700u);
+  EXPECT_THAT(result.mesh, IsClosedManifold());
+  EXPECT_EQ(result.mesh.positions.size(), testing::Icosphere(2).positions.size());
+}
+
+TEST(Repair, LeavesAScatterOfTrianglesAlone) {
+  TriangleMesh mesh;
+  for (int i = 0; i < 40; ++i) {
+    mesh = shapes::Joined(mesh, shapes::MeshOf({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}), {1.5 * (i % 7), 1.5 * (i / 7), 0});
+  }
+  EXPECT_EQ(Told(Repaired(mesh)), "");
+}
+
+TEST(Repair, CutsAKleinBottleWhereItsFileIsInconsistent) {
+  // A grid of 12 × 10 quads, consistent but for the seam where it closes with one direction reversed: no face needs to be reversed.
+  TriangleMesh mesh = shapes::Torus(12, 10);
+  const auto id = [&](int i, int j) { return VertexId(i == 12 ? (10 - j % 10) % 10 : i * 10 + j % 10); };
+  mesh.triangles.clear();
+  for (int i = 0; i < 12; ++i) {
+    for (int j = 0; j < 10; ++j) {
+      mesh.triangles.push_back({id(i, j), id(i + 1, j), id(i + 1, j + 1)});
+      mesh.triangles.push_back({id(i, j), id(i + 1, j + 1), id(i, j + 1)});
+    }
+  }
+  const RepairResult result = Repaired(mesh);
+  EXPECT_EQ(CountOf(result, "cut_non_orientable_edges"), 10u);
+  EXPECT_EQ(CountOf(result, "reversed_faces"), 0u);
+  EXPECT_EQ(result.mesh.triangles.size(), 240u);
 }
 
 TEST(Repair, DoesNotWeldSheetsThatTouchInVerticesOnly) {
