@@ -29,7 +29,7 @@ class OutgoingSink : public MeshSink {
     if (scale_ == 1) return next_.Append(piece);
     std::vector<OutputVertex> vertices(piece.vertices.begin(), piece.vertices.end());
     for (OutputVertex& v : vertices) v.position = v.position / scale_;
-    return next_.Append({vertices, piece.triangles, piece.finalised, piece.open_front_edges});
+    return next_.Append({vertices, piece.triangles, piece.finalised, piece.open_front_edges, piece.kinds});
   }
   double first_chunk() const { return first_chunk_; }
 

@@ -7,6 +7,7 @@
 
 #include "absl/types/span.h"
 #include "core/base/ids.h"
+#include "core/mesh/mesh_sink.h"
 #include "core/surface/surface.h"
 
 namespace meshfront {
@@ -14,8 +15,6 @@ namespace meshfront {
 using WindowVertexId = Id<struct WindowVertexTag>;
 using WindowTriangleId = Id<struct WindowTriangleTag>;
 using FrontEdgeId = Id<struct FrontEdgeTag>;
-
-enum class TriangleKind : uint8_t { kFree, kConnection, kClosing };
 
 // What lies across a side of a triangle: another triangle's half-edge, a front edge, the rim of the surface, or a triangle
 // that was settled and is gone.

@@ -294,6 +294,7 @@ absl::Status SettlingWindow::Emit(bool everything) {
   if (leaving.empty()) return absl::OkStatus();
   std::vector<OutputVertex> vertices;
   std::vector<Triangle> triangles;
+  std::vector<TriangleKind> kinds;
   for (const WindowTriangleId id : leaving) {
     const WindowTriangle& t = fronts_.at(id);
     Triangle out;
@@ -308,6 +309,7 @@ absl::Status SettlingWindow::Emit(bool everything) {
       place[i] = v.position;
     }
     triangles.push_back(out);
+    kinds.push_back(t.kind);
     counts_.quality.Add(place[0], place[1], place[2]);
     for (int i = 0; i < 3; ++i) counts_.longest_edge = std::max(counts_.longest_edge, Distance(place[i], place[(i + 1) % 3]));
     ++counts_.by_kind[static_cast<int>(t.kind)];
@@ -316,7 +318,7 @@ absl::Status SettlingWindow::Emit(bool everything) {
   counts_.vertices += vertices.size();
   counts_.triangles += triangles.size();
   const std::vector<VertexId> finalised = fronts_.Settle(leaving);
-  return sink_.Append({vertices, triangles, finalised, fronts_.front_edge_count()});
+  return sink_.Append({vertices, triangles, finalised, fronts_.front_edge_count(), kinds});
 }
 
 }  // namespace meshfront

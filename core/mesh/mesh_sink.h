@@ -12,6 +12,9 @@ struct OutputVertex {
   Vec3 normal;  // unit normal of the surface there
 };
 
+// How a triangle came to be (sec. 3): with a new vertex, with an existing front vertex, or as the last of a loop.
+enum class TriangleKind : uint8_t { kFree, kConnection, kClosing };
+
 // A piece of the output. Vertex ids are global and count up from 0 in the order of emission; a vertex comes once and before
 // its first triangle. Valid during the call only.
 struct MeshPiece {
@@ -19,6 +22,7 @@ struct MeshPiece {
   absl::Span<const Triangle> triangles;
   absl::Span<const VertexId> finalised;  // vertices that no later triangle will use
   uint64_t open_front_edges = 0;         // left on the fronts when the piece was settled
+  absl::Span<const TriangleKind> kinds;    // one per triangle; as grown, a triangle is (base end, base start, apex)
 };
 
 // Implemented by: collectors in memory, the server's stream sink. Called by: the settling window, on the job's thread.
