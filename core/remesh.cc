@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/status_macros.h"
 #include "core/front/advancing_front.h"
+#include "core/geometry/triangle.h"
 #include "core/guidance/sizing.h"
 #include "core/preparation.h"
 
