@@ -2,8 +2,8 @@
 //
 // 1. Morton codes, 16 bits an axis, of the triangles' box centres in a cube around all (MortonCodes).
 // 2. The faces in the order of their codes, by four counting passes (SortByCode).
-// 3. Top down, each range is cut where the highest bit that differs changes, which is a plane of the cube's grid; equal codes are
-//    halved. Boxes are joined on the way up (Build).
+// 3. Top down, each range is cut where the highest bit that differs changes, which is a plane of the cube's grid; equal
+//    codes are halved. Boxes are joined on the way up (Build).
 // Rejected: binned surface-area splits; queries gain 10 to 20 %, and building takes three times as long.
 #include "core/geometry/bvh.h"
 
@@ -148,8 +148,8 @@ TriangleBvh::Ray TriangleBvh::RayInFrame(const Vec3& origin, const Vec3& directi
   return ray;
 }
 
-// The signs of the three volumes that the ray spans with the sides tell where it passes; both triangles at a side compute
-// the same number there with opposite signs, so that no ray passes between them.
+// The signs of the three volumes that the ray spans with the sides tell where it passes; both triangles at a side
+// compute the same number there with opposite signs, so that no ray passes between them.
 std::optional<SegmentHit> TriangleBvh::HitFace(FaceId f, const Vec3& origin, const Vec3& direction) const {
   const Vec3 a = Corner(f, 0) - origin, b = Corner(f, 1) - origin, c = Corner(f, 2) - origin;
   const double u = Dot(direction, Cross(b, c)), v = Dot(direction, Cross(c, a)), w = Dot(direction, Cross(a, b));
@@ -157,8 +157,9 @@ std::optional<SegmentHit> TriangleBvh::HitFace(FaceId f, const Vec3& origin, con
   const double sum = u + v + w;
   if (sum == 0) return std::nullopt;
   SegmentHit hit{f, 0, {u / sum, v / sum, w / sum}};
-  hit.t = (hit.weights[0] * Dot(a, direction) + hit.weights[1] * Dot(b, direction) + hit.weights[2] * Dot(c, direction)) /
-          SquaredNorm(direction);
+  hit.t =
+      (hit.weights[0] * Dot(a, direction) + hit.weights[1] * Dot(b, direction) + hit.weights[2] * Dot(c, direction)) /
+      SquaredNorm(direction);
   return hit;
 }
 

@@ -24,13 +24,13 @@ struct ClosestHit {
 };
 struct SegmentHit {
   FaceId face;
-  double t = 0;           // origin + t direction
+  double t = 0;  // origin + t direction
   double weights[3] = {};
 };
 
-// Refers to the arrays it was built from: they must outlive it unchanged, with finite coordinates below 1e150 and indices in
-// range. Immutable, thread-safe, 13 + 4 bytes a triangle at the usual filling. Built in O(n), about 0.1 µs a triangle.
-// Results are functions of the triangles alone, whatever the order of traversal: ties go to the smaller face.
+// Refers to the arrays it was built from: they must outlive it unchanged, with finite coordinates below 1e150 and
+// indices in range. Immutable, thread-safe, 13 + 4 bytes a triangle at the usual filling. Built in O(n), about 0.1 µs a
+// triangle. Results are functions of the triangles alone, whatever the order of traversal: ties go to the smaller face.
 //
 //   const TriangleBvh bvh(mesh.positions, mesh.triangles);
 //   if (auto hit = bvh.FindClosestPoint(p, bound)) Use(hit->face, hit->point.position);
@@ -50,8 +50,8 @@ class TriangleBvh {
   template <class Accept>
   std::optional<ClosestHit> FindClosestPoint(const Vec3& p, double max_distance, Accept&& accept) const;
 
-  // The hit with the smallest t in [t0, t1] on origin + t direction, from either side. Rays through a shared edge or vertex do
-  // not slip through; a ray in the plane of a triangle does not hit it.
+  // The hit with the smallest t in [t0, t1] on origin + t direction, from either side. Rays through a shared edge or
+  // vertex do not slip through; a ray in the plane of a triangle does not hit it.
   std::optional<SegmentHit> FindFirstHit(const Vec3& origin, const Vec3& direction, double t0, double t1) const {
     return FindFirstHit(origin, direction, t0, t1, [](FaceId) { return true; });
   }
@@ -67,8 +67,8 @@ class TriangleBvh {
   Box3 BoxOf(FaceId f) const;
 
  private:
-  // Boxes are kept in a frame where the root is [-1, 1]³, in floats rounded outwards. Siblings are neighbours and share a
-  // cache line: children of node n are nodes_[first] and nodes_[first + 1].
+  // Boxes are kept in a frame where the root is [-1, 1]³, in floats rounded outwards. Siblings are neighbours and share
+  // a cache line: children of node n are nodes_[first] and nodes_[first + 1].
   struct Node {
     float min[3], max[3];
     uint32_t first;  // leaf: into order_
@@ -99,7 +99,7 @@ class TriangleBvh {
   double scale_ = 1;
 };
 
-// --- Implementation of the templates ------------------------------------------------------------------------------------
+// --- Implementation of the templates ---------------------------------------------------------------------------------
 
 inline double TriangleBvh::SquaredDistance(const Node& node, const Vec3& q) {
   double sum = 0;

@@ -1,10 +1,11 @@
 // Triangles against triangles, cheapest test first:
 //
 // 1. boxes apart (only without shared corners);
-// 2. all corners of one strictly on one side of the other's plane (PlaneOf: one normal for three corners, with an error bound);
-// 3. a side of one meets the other (SideMeets). Without shared corners any of six will do. With one shared corner only the
-//    sides opposite to it count: from the shared corner, common points reach up to where one triangle ends. With two shared
-//    corners the triangles have more in common only when they are folded onto each other.
+// 2. all corners of one strictly on one side of the other's plane (PlaneOf: one normal for three corners, with an error
+//    bound);
+// 3. a side of one meets the other (SideMeets). Without shared corners any of six will do. With one shared corner only
+//    the sides opposite to it count: from the shared corner, common points reach up to where one triangle ends. With
+//    two shared corners the triangles have more in common only when they are folded onto each other.
 // Rejected: intervals on the planes' common line; fewer determinants for pairs that do meet, which are the rare ones.
 #include "core/geometry/intersection.h"
 
@@ -39,7 +40,8 @@ class Plane {
 };
 
 bool IsBetween(const Vec2& p, const Vec2& a, const Vec2& b) {  // on the line through a and b
-  return std::min(a.x, b.x) <= p.x && p.x <= std::max(a.x, b.x) && std::min(a.y, b.y) <= p.y && p.y <= std::max(a.y, b.y);
+  return std::min(a.x, b.x) <= p.x && p.x <= std::max(a.x, b.x) && std::min(a.y, b.y) <= p.y &&
+         p.y <= std::max(a.y, b.y);
 }
 
 bool SegmentsMeet(const Vec2& p, const Vec2& q, const Vec2& r, const Vec2& s) {

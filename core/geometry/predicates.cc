@@ -3,8 +3,8 @@
 // 1. The determinant in doubles with a bound of its rounding error, from the sum of its terms' absolute values.
 // 2. Exactly: differences of coordinates as two doubles (their rounding errors are doubles too), sums and products of
 //    expansions (sums of doubles that do not overlap, smallest first; zeros left out, so that short inputs stay short).
-// Relies on round-to-nearest without contraction (-ffp-contract=off). Expansion arithmetic after J. R. Shewchuk, "Adaptive
-// Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997.
+// Relies on round-to-nearest without contraction (-ffp-contract=off). Expansion arithmetic after J. R. Shewchuk,
+// "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997.
 #include "core/geometry/predicates.h"
 
 #include <cmath>
@@ -13,8 +13,8 @@ namespace meshfront {
 namespace {
 
 constexpr double kHalfUlp = 0x1p-53;
-// Rounding errors of the filters' determinants in units of kHalfUlp times the sum of absolute terms: differences 1 each,
-// products 1 each, sums 1 each, and a little for the bound's own rounding.
+// Rounding errors of the filters' determinants in units of kHalfUlp times the sum of absolute terms: differences 1
+// each, products 1 each, sums 1 each, and a little for the bound's own rounding.
 constexpr double kFilter2d = 4 * kHalfUlp;
 constexpr double kFilter3d = 9 * kHalfUlp;
 
@@ -146,7 +146,8 @@ int Orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const Vec3 p = a - d, q = b - d, r = c - d;
   const double qr1 = q.x * r.y, qr2 = q.y * r.x, rp1 = r.x * p.y, rp2 = r.y * p.x, pq1 = p.x * q.y, pq2 = p.y * q.x;
   const double det = p.z * (qr1 - qr2) + q.z * (rp1 - rp2) + r.z * (pq1 - pq2);
-  const double terms = std::abs(p.z) * (std::abs(qr1) + std::abs(qr2)) + std::abs(q.z) * (std::abs(rp1) + std::abs(rp2)) +
+  const double terms = std::abs(p.z) * (std::abs(qr1) + std::abs(qr2)) +
+                       std::abs(q.z) * (std::abs(rp1) + std::abs(rp2)) +
                        std::abs(r.z) * (std::abs(pq1) + std::abs(pq2));
   if (std::abs(det) > kFilter3d * terms) return -SignOf(det);
   return ExactOrient3d(a, b, c, d);

@@ -1,7 +1,7 @@
-// Exact signs of determinants: on which side of a line or a plane a point lies. A filter in double precision decides almost
-// always; where it can't, the determinant is computed exactly as a sum of doubles that do not overlap.
-// Exact while no product of three differences of coordinates overflows or falls below 1e-200: differences between 1e-60 and 1e90,
-// or 0. Pure, thread-safe.
+// Exact signs of determinants: on which side of a line or a plane a point lies. A filter in double precision decides
+// almost always; where it can't, the determinant is computed exactly as a sum of doubles that do not overlap.
+// Exact while no product of three differences of coordinates overflows or falls below 1e-200: differences between 1e-60
+// and 1e90, or 0. Pure, thread-safe.
 #pragma once
 
 #include "core/geometry/vec3.h"

@@ -1,9 +1,10 @@
-// Measures and the closest point of one triangle. All formulas are homogeneous: coordinates between 1e-70 and 1e70 apart from
-// each other neither overflow nor vanish.
+// Measures and the closest point of one triangle. All formulas are homogeneous: coordinates between 1e-70 and 1e70
+// apart from each other neither overflow nor vanish.
 //
 // Closest point: (1) a well-shaped triangle is decided by the signs of dot products of p with two sides (FromSides);
-// (2) a sliver, where those signs drown in rounding, is measured in a frame whose first axis is its longest side, so that
-// errors move the answer across the sliver and not along it (FromLongestSide). Rejected: (2) always; it costs twice as much.
+// (2) a sliver, where those signs drown in rounding, is measured in a frame whose first axis is its longest side, so
+// that errors move the answer across the sliver and not along it (FromLongestSide). Rejected: (2) always; it costs
+// twice as much.
 #include "core/geometry/triangle.h"
 
 #include <utility>
@@ -78,9 +79,12 @@ TrianglePoint FromLongestSide(const Vec3& p, const Vec3* const (&corner)[3]) {
   return FromSegments(p, corner);
 }
 
-//            c                 The plane falls into seven regions: behind a corner when p projects before it on both of its
-//           / \                sides; beyond a side when p projects into it and the signed area of p with it is negative;
-//          a---b               inside otherwise.
+//            c
+//           / \
+//          a---b
+//
+// The plane falls into seven regions: behind a corner when p projects before it on both of its sides; beyond a side when p
+// projects into it and the signed area of p with it is negative; inside otherwise.
 TrianglePoint FromSides(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
   const double a_ab = Dot(ab, ap), a_ac = Dot(ac, ap);

@@ -1,9 +1,9 @@
 // Partners of half-edges.
 //
-// 1. ChainedPairing: every edge becomes an entry in a list at its smaller end vertex; a half-edge looks its edge up there and
-//    either adds it or meets its partner. One pass, lists of three on average.
-// 2. Where a list grows long (a hub with thousands of edges would make 1 quadratic), SortedPairing: half-edges in the order of
-//    their edges by two counting passes, partners side by side.
+// 1. ChainedPairing: every edge becomes an entry in a list at its smaller end vertex; a half-edge looks its edge up
+//    there and either adds it or meets its partner. One pass, lists of three on average.
+// 2. Where a list grows long (a hub with thousands of edges would make 1 quadratic), SortedPairing: half-edges in the
+//    order of their edges by two counting passes, partners side by side.
 // Rejected: a hash map of edges; three times slower, and the order of its memory is not the mesh's.
 #include "core/mesh/adjacency.h"
 
@@ -24,7 +24,9 @@ struct EdgeEntry {
 
 bool HasRepeatedIndex(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
-void ClearOpposites(size_t faces, FaceAdjacency& out) { out.opposite.assign(faces, {kNoHalfEdge, kNoHalfEdge, kNoHalfEdge}); }
+void ClearOpposites(size_t faces, FaceAdjacency& out) {
+  out.opposite.assign(faces, {kNoHalfEdge, kNoHalfEdge, kNoHalfEdge});
+}
 
 Pairing ChainedPairing(const TriangleMesh& mesh, FaceAdjacency& out) {
   ClearOpposites(mesh.triangles.size(), out);

@@ -38,8 +38,9 @@ struct FaceAdjacency {
 inline VertexId OriginOf(const TriangleMesh& mesh, uint32_t h) { return mesh.triangles[h / 3][h % 3]; }
 inline VertexId TargetOf(const TriangleMesh& mesh, uint32_t h) { return OriginOf(mesh, NextHalfEdge(h)); }
 
-// The adjacency of an oriented manifold mesh whose indices are in range (what RepairMesh returns). On any other mesh, half-edges that
-// have no single partner in the opposite direction count as rim. O(n), about 30 ns a triangle; at most 2^32 / 3 triangles.
+// The adjacency of an oriented manifold mesh whose indices are in range (what RepairMesh returns). On any other mesh,
+// half-edges that have no single partner in the opposite direction count as rim. O(n), about 30 ns a triangle; at most
+// 2^32 / 3 triangles.
 FaceAdjacency CreateAdjacency(const TriangleMesh& mesh);
 // The same, or nothing when an edge has more than two faces, two faces run through an edge in the same direction, or a
 // triangle names a vertex twice. Vertices whose faces are not one fan are not looked for (HasSingleFans).
@@ -47,8 +48,8 @@ std::optional<FaceAdjacency> FindOrientedAdjacency(const TriangleMesh& mesh);
 // Whether the faces at every vertex are one fan: no two sheets touch in a vertex only. O(n).
 bool HasSingleFans(const TriangleMesh& mesh, const FaceAdjacency& adjacency);
 
-// The rims: closed chains of half-edges without a partner, the mesh on their left, each followed around its vertices inside
-// their fans (two sheets that touch in a vertex have two loops). In the order of their smallest half-edge.
+// The rims: closed chains of half-edges without a partner, the mesh on their left, each followed around its vertices
+// inside their fans (two sheets that touch in a vertex have two loops). In the order of their smallest half-edge.
 std::vector<std::vector<uint32_t>> FindBoundaryLoops(const FaceAdjacency& adjacency);
 
 // Faces connected across edges. Components are numbered in the order of their first face.
@@ -58,8 +59,8 @@ struct FaceComponents {
 };
 FaceComponents LabelComponents(const FaceAdjacency& adjacency);
 
-// All half-edges ordered by their edge: smaller end vertex, larger end vertex, code. For meshes of any kind; triangles with a
-// repeated index are left out. Guaranteed O(n + vertices).
+// All half-edges ordered by their edge: smaller end vertex, larger end vertex, code. For meshes of any kind; triangles
+// with a repeated index are left out. Guaranteed O(n + vertices).
 std::vector<uint32_t> HalfEdgesByEdge(const TriangleMesh& mesh);
 
 }  // namespace meshfront

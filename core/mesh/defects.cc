@@ -41,7 +41,8 @@ class DefectFinder {
     for (const VertexId v : t) {
       if (v.index() < mesh_.positions.size()) continue;
       return Add("index_out_of_range", {FaceId(f)}, {}, {},
-                 absl::StrCat("triangle ", f, " names vertex ", v.index(), "; the mesh has ", mesh_.positions.size(), " vertices"));
+                 absl::StrCat("triangle ", f, " names vertex ", v.index(), "; the mesh has ", mesh_.positions.size(),
+                              " vertices"));
     }
     const FaceState state = StateOf(mesh_, t);
     if (state == FaceState::kSound) return usable_.triangles.push_back(t), face_of_.push_back(f);
@@ -71,7 +72,8 @@ class DefectFinder {
     std::sort(keys.begin(), keys.end());
     for (size_t i = 1; i < keys.size(); ++i) {
       if (keys[i].first != keys[i - 1].first) continue;
-      Add("duplicate_face", {FaceId(keys[i - 1].second), FaceId(keys[i].second)}, {}, mesh_.PositionAt(keys[i].first[0]),
+      Add("duplicate_face", {FaceId(keys[i - 1].second), FaceId(keys[i].second)}, {},
+          mesh_.PositionAt(keys[i].first[0]),
           absl::StrCat("triangles ", keys[i - 1].second, " and ", keys[i].second, " have the same three corners"));
     }
   }
@@ -102,14 +104,16 @@ class DefectFinder {
     const Vec3 middle = 0.5 * usable_.PositionAt(a) + 0.5 * usable_.PositionAt(b);
     std::vector<FaceId> faces;
     for (const uint32_t g : half_edges) faces.push_back(FaceId(face_of_[FaceOfHalfEdge(g)]));
-    const std::string who = absl::StrCat("the edge from vertex ", a.index(), " to ", b.index(), " at ", PlaceOf(middle));
+    const std::string who =
+        absl::StrCat("the edge from vertex ", a.index(), " to ", b.index(), " at ", PlaceOf(middle));
     if (same_direction) {
       Add("inconsistent_orientation", faces, {a, b}, middle,
-          absl::StrCat(who, " is run through in the same direction by triangles ", faces[0].index(), " and ", faces[1].index()));
+          absl::StrCat(who, " is run through in the same direction by triangles ", faces[0].index(), " and ",
+                       faces[1].index()));
     } else {
       Add("non_manifold_edge", faces, {a, b}, middle,
-          absl::StrCat(who, " has ", faces.size(), " triangles (", faces[0].index(), ", ", faces[1].index(), ", ", faces[2].index(),
-                       faces.size() > 3 ? ", …" : "", "); at most two can meet there"));
+          absl::StrCat(who, " has ", faces.size(), " triangles (", faces[0].index(), ", ", faces[1].index(), ", ",
+                       faces[2].index(), faces.size() > 3 ? ", …" : "", "); at most two can meet there"));
     }
   }
 
@@ -134,7 +138,8 @@ class DefectFinder {
         told_[v.index()] = true;
         Add("non_manifold_vertex", {FaceId(first), FaceId(face_of_[FaceOfHalfEdge(c)])}, {v}, usable_.PositionAt(v),
             absl::StrCat("vertex ", v.index(), " at ", PlaceOf(usable_.PositionAt(v)),
-                         " joins separate fans of triangles (", first, " in one, ", face_of_[FaceOfHalfEdge(c)], " in another)"));
+                         " joins separate fans of triangles (", first, " in one, ", face_of_[FaceOfHalfEdge(c)],
+                         " in another)"));
       }
     }
   }
@@ -144,7 +149,7 @@ class DefectFinder {
   TriangleMesh usable_;            // triangles with three different finite corners
   std::vector<uint32_t> face_of_;  // their ids in mesh_
   std::vector<uint32_t> partner_;
-  std::vector<bool> told_;         // vertices that a defect has named already
+  std::vector<bool> told_;  // vertices that a defect has named already
   DefectList list_;
 };
 
@@ -154,9 +159,11 @@ DefectList FindDefects(const TriangleMesh& mesh, size_t limit) { return DefectFi
 
 absl::Status RequireManifold(const TriangleMesh& mesh) {
   if (mesh.triangles.empty()) return absl::FailedPreconditionError("the mesh has no triangles");
-  if (ValidateIndices(mesh).ok() && Survey(mesh).unsound_faces == 0 && FindManifoldAdjacency(mesh)) return absl::OkStatus();
+  if (ValidateIndices(mesh).ok() && Survey(mesh).unsound_faces == 0 && FindManifoldAdjacency(mesh))
+    return absl::OkStatus();
   const DefectList list = FindDefects(mesh, kDefectsInMessage);
-  std::string message = absl::StrCat("the mesh can't be meshed without repair: ", list.total, list.total == 1 ? " defect" : " defects");
+  std::string message =
+      absl::StrCat("the mesh can't be meshed without repair: ", list.total, list.total == 1 ? " defect" : " defects");
   const char* separator = list.total > list.defects.size() ? ", the first: " : ": ";
   for (const Defect& d : list.defects) {
     absl::StrAppend(&message, separator, d.message);

@@ -1,7 +1,7 @@
-// Sampled distances. Samples are numbered: used vertices, then edge samples, then face samples; sample i of a kind lies in the i-th of
-// equal parts of the total length or area, at a place that depends on seed and i alone. Blocks of samples are measured in parallel and
-// summed in their order, so that threads change nothing. Within a block, neighbours in number are neighbours in space mostly: the last
-// distance plus the step bounds the next search.
+// Sampled distances. Samples are numbered: used vertices, then edge samples, then face samples; sample i of a kind lies
+// in the i-th of equal parts of the total length or area, at a place that depends on seed and i alone. Blocks of
+// samples are measured in parallel and summed in their order, so that threads change nothing. Within a block,
+// neighbours in number are neighbours in space mostly: the last distance plus the step bounds the next search.
 #include "core/mesh/distance.h"
 
 #include <algorithm>
@@ -26,7 +26,8 @@ absl::StatusOr<TriangleMesh> UsableTriangles(const TriangleMesh& mesh, const cha
     const FaceState state = StateOf(mesh, t);
     if (state == FaceState::kSound || state == FaceState::kZeroArea) out.triangles.push_back(t);
   }
-  if (out.triangles.empty()) return absl::InvalidArgumentError(absl::StrCat("the ", name, " has no triangles to measure"));
+  if (out.triangles.empty())
+    return absl::InvalidArgumentError(absl::StrCat("the ", name, " has no triangles to measure"));
   out.positions = mesh.positions;
   return out;
 }
@@ -55,8 +56,9 @@ class Sampler {
         used[t[i].index()] = true;
         lengths_.push_back((lengths_.empty() ? 0 : lengths_.back()) + Distance(a, b));
       }
-      areas_.push_back((areas_.empty() ? 0 : areas_.back()) +
-                       Norm(Cross(mesh.PositionAt(t[1]) - mesh.PositionAt(t[0]), mesh.PositionAt(t[2]) - mesh.PositionAt(t[0]))));
+      areas_.push_back(
+          (areas_.empty() ? 0 : areas_.back()) +
+          Norm(Cross(mesh.PositionAt(t[1]) - mesh.PositionAt(t[0]), mesh.PositionAt(t[2]) - mesh.PositionAt(t[0]))));
     }
     for (uint32_t v = 0; v < used.size(); ++v) {
       if (used[v]) vertices_.push_back(v);

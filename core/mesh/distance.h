@@ -10,7 +10,8 @@
 namespace meshfront {
 
 struct DistanceOptions {
-  uint64_t samples = 200'000;  // each way, besides every vertex: a tenth on edges by length, the rest on faces by area; ≥ 10
+  // Each way, besides every vertex: a tenth on edges by length, the rest on faces by area; at least 10.
+  uint64_t samples = 200'000;
   uint64_t seed = 1;
 };
 
@@ -32,9 +33,9 @@ struct DistanceReport {
   double Percent(double distance) const { return reference_diagonal > 0 ? 100 * distance / reference_diagonal : 0; }
 };
 
-// Triangles with a repeated index or a corner that is not finite take no part. InvalidArgument when either mesh has no other, or an
-// index is out of range; Cancelled or DeadlineExceeded. The same result at any number of threads. About 2 µs a sample near the
-// surface.
+// Triangles with a repeated index or a corner that is not finite take no part. InvalidArgument when either mesh has no
+// other, or an index is out of range; Cancelled or DeadlineExceeded. The same result at any number of threads. About 2
+// µs a sample near the surface.
 absl::StatusOr<DistanceReport> MeasureDistance(const TriangleMesh& mesh, const TriangleMesh& reference,
                                                const DistanceOptions& options, const Context& context);
 

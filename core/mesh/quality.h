@@ -17,7 +17,7 @@ struct QualityReport {
   double min_angle_deg = 0;             // the smallest angle of all
   double share_min_angle_below_30 = 0;  // of triangles, 0 … 1
   // Only of whole meshes (MeasureQuality), not of a stream:
-  double incident_edge_ratio_max = 0;       // longest over shortest edge at a vertex; +infinity where an edge has length 0
+  double incident_edge_ratio_max = 0;  // longest over shortest edge at a vertex; +infinity where an edge has length 0
   std::vector<uint64_t> valence_histogram;  // [n]: inner vertices with n edges, all with two faces
   double edge_length_min = 0, edge_length_median = 0, edge_length_max = 0;  // over distinct edges
 };
@@ -25,8 +25,8 @@ struct QualityReport {
 // O(n log n). Triangles with a corner that is not finite are left out; those with a repeated index count as degenerate.
 QualityReport MeasureQuality(const TriangleMesh& mesh);
 
-// The same for triangles that come one by one and are not kept: 128 kB, whatever their number. Minimum, mean and share are exact;
-// percentiles of the radius ratio are right to a bin of 6e-5, or
+// The same for triangles that come one by one and are not kept: 128 kB, whatever their number. Minimum, mean and share
+// are exact; percentiles of the radius ratio are right to a bin of 6e-5, or
 // the gap between neighbours in rank. The result is a function of the sequence of triangles.
 class QualityAccumulator {
  public:

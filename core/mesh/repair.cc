@@ -1,10 +1,11 @@
 // From whatever came in to an oriented manifold:
 //
 // 1. IsClean: most meshes are; they pass untouched.
-// 2. RepairPass, until it finds nothing more: faces without a usable position go (DropUnusable); spikes are moved (MoveSpikes); the corners
-//    of a soup that almost meet are made to (SnapSoup); needles and loose caps go (DropNeedlesAndLooseCaps), duplicates go (DropDuplicates); the rest is paired edge by edge, oriented, welded
-//    and given one vertex a fan (MakeOrientedManifold); caps inside are turned (FlipCaps); closed components that face inwards are
-//    reversed (TurnOutwards).
+// 2. RepairPass, until it finds nothing more: faces without a usable position go (DropUnusable); spikes are moved
+//    (MoveSpikes); the corners of a soup that almost meet are made to (SnapSoup); needles and loose caps go
+//    (DropNeedlesAndLooseCaps), duplicates go (DropDuplicates); the rest is paired edge by edge, oriented, welded and
+//    given one vertex a fan (MakeOrientedManifold); caps inside are turned (FlipCaps); closed components that face
+//    inwards are reversed (TurnOutwards).
 // 3. DropUnreferenced.
 // Rejected: one pass; what a dropped face opens may let others be joined.
 #include "core/mesh/repair.h"
@@ -172,11 +173,13 @@ absl::Status NothingLeft(const TriangleMesh& mesh) {
   if (huge > 0 && huge >= not_finite && huge >= degenerate) {
     const Vec3& p = mesh.PositionAt(mesh.triangles[0][0]);
     return absl::InvalidArgumentError(absl::StrCat(
-        "none of the ", mesh.triangles.size(), " triangles can be meshed: ", huge, " have coordinates beyond ±", kLargestCoordinate,
-        ", the most that can be computed with (a corner of triangle 0 is at ", p.x, " ", p.y, " ", p.z, ")"));
+        "none of the ", mesh.triangles.size(), " triangles can be meshed: ", huge, " have coordinates beyond ±",
+        kLargestCoordinate, ", the most that can be computed with (a corner of triangle 0 is at ", p.x, " ", p.y, " ",
+        p.z, ")"));
   }
-  return absl::InvalidArgumentError(absl::StrCat("none of the ", mesh.triangles.size(), " triangles can be meshed: ", degenerate,
-                                                 " have no area, ", not_finite, " have a corner that is not finite"));
+  return absl::InvalidArgumentError(absl::StrCat("none of the ", mesh.triangles.size(),
+                                                 " triangles can be meshed: ", degenerate, " have no area, ",
+                                                 not_finite, " have a corner that is not finite"));
 }
 
 // Looks for a face to mesh, before anything is changed.
@@ -193,8 +196,8 @@ absl::Status ValidateMeshable(const TriangleMesh& mesh) {
   const Vec3 size = box.empty() ? Vec3{} : box.max - box.min;
   const double largest = std::max({size.x, size.y, size.z});  // the diagonal's square could vanish
   if (largest > 0 && largest < kSmallestDiagonal) {
-    return absl::InvalidArgumentError(absl::StrCat("the mesh is ", largest, " across; it must be at least ", kSmallestDiagonal,
-                                                   " to be computed with"));
+    return absl::InvalidArgumentError(absl::StrCat("the mesh is ", largest, " across; it must be at least ",
+                                                   kSmallestDiagonal, " to be computed with"));
   }
   return any_sound ? absl::OkStatus() : NothingLeft(mesh);
 }
@@ -218,7 +221,8 @@ absl::StatusOr<RepairResult> RepairMesh(TriangleMesh mesh, const Context& contex
     break;
   }
   if (mesh.triangles.empty()) {
-    return absl::InvalidArgumentError(absl::StrCat("nothing is left of the mesh's ", triangles, " triangles after repair"));
+    return absl::InvalidArgumentError(
+        absl::StrCat("nothing is left of the mesh's ", triangles, " triangles after repair"));
   }
   actions.Add("unreferenced_vertices", unreferenced);
   DropUnreferenced(mesh);

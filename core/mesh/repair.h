@@ -34,8 +34,8 @@ struct RepairAction {
 
 // One thing that is wrong with a mesh, and where.
 struct Defect {
-  std::string what;        // "non_manifold_edge", "degenerate_face", "non_finite_vertex", …
-  std::string message;     // one sentence with numbers
+  std::string what;     // "non_manifold_edge", "degenerate_face", "non_finite_vertex", …
+  std::string message;  // one sentence with numbers
   std::vector<FaceId> faces;
   std::vector<VertexId> vertices;
   Vec3 position;
@@ -52,12 +52,13 @@ struct RepairResult {
   TriangleMesh mesh;  // an oriented manifold, perhaps with boundary, no unreferenced vertices
   std::vector<RepairAction> actions;
 };
-// Makes the best oriented manifold of the mesh. A mesh that is one passes with its bits and its order; repairing a repaired mesh
-// changes nothing. InvalidArgument when nothing meshable is there (no finite face with area), an index is out of range or the mesh is
-// smaller than 1e-150 across; Cancelled or DeadlineExceeded. 0.15 µs a triangle for clean meshes, about 0.6 µs for others.
+// Makes the best oriented manifold of the mesh. A mesh that is one passes with its bits and its order; repairing a
+// repaired mesh changes nothing. InvalidArgument when nothing meshable is there (no finite face with area), an index is
+// out of range or the mesh is smaller than 1e-150 across; Cancelled or DeadlineExceeded. 0.15 µs a triangle for clean
+// meshes, about 0.6 µs for others.
 absl::StatusOr<RepairResult> RepairMesh(TriangleMesh mesh, const Context& context);
-// For `--repair off`: OK when the mesh can be meshed as it is (unreferenced vertices never matter), else FailedPrecondition
-// naming the first defects with their places.
+// For `--repair off`: OK when the mesh can be meshed as it is (unreferenced vertices never matter), else
+// FailedPrecondition naming the first defects with their places.
 absl::Status RequireManifold(const TriangleMesh& mesh);
 
 }  // namespace meshfront

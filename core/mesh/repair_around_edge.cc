@@ -6,8 +6,8 @@
 namespace meshfront {
 namespace {
 
-// Grows with the angle of (x, y) from 0 to 4 in a full turn; opposite directions differ by 2 exactly. No library function whose
-// last bit could differ between machines.
+// Grows with the angle of (x, y) from 0 to 4 in a full turn; opposite directions differ by 2 exactly. No library
+// function whose last bit could differ between machines.
 double PseudoAngle(double x, double y) {
   const double sum = std::abs(x) + std::abs(y);
   if (!(sum > 0)) return 0;
@@ -24,7 +24,9 @@ std::vector<SortedFace> SortedByAngle(const Vec3& a, const Vec3& b, const std::v
   const Vec3 axis = Normalized(b - a);
   // The coordinate axis farthest from the edge gives a frame around it.
   const Vec3 size{std::abs(axis.x), std::abs(axis.y), std::abs(axis.z)};
-  const Vec3 helper = size.x <= size.y && size.x <= size.z ? Vec3{1, 0, 0} : size.y <= size.z ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
+  const Vec3 helper = size.x <= size.y && size.x <= size.z ? Vec3{1, 0, 0}
+                      : size.y <= size.z                   ? Vec3{0, 1, 0}
+                                                           : Vec3{0, 0, 1};
   const Vec3 u = Normalized(Cross(axis, helper)), v = Cross(axis, u);
   std::vector<SortedFace> sorted;
   for (const FaceAtEdge& f : faces) sorted.push_back({PseudoAngle(Dot(f.apex - a, u), Dot(f.apex - a, v)), f});
@@ -59,8 +61,8 @@ std::vector<std::pair<uint32_t, uint32_t>> PairFacesAround(const Vec3& a, const 
     const auto [i, j] = FlattestOfThree(sorted);
     return {{sorted[i].face.half_edge, sorted[j].face.half_edge}};
   }
-  // A backward face has its back towards growing angles, a forward one towards falling: brackets that match. Twice around, as
-  // the circle has no beginning.
+  // A backward face has its back towards growing angles, a forward one towards falling: brackets that match. Twice
+  // around, as the circle has no beginning.
   std::vector<bool> paired(count, false);
   std::vector<size_t> open;
   for (size_t k = 0; k < 2 * count; ++k) {

@@ -19,13 +19,17 @@ struct FaceAtEdge {
 
 // Pairs faces at an edge with any number of them.
 //
-//     solid |   | solid         Seen along the edge, faces whose backs look at each other bound a piece of solid between them and are
-//      ─────┘   └─────          paired, innermost first, so that pairs do not cross: two cubes that share an edge come apart as
-//      ─────┐   ┌─────          two cubes. With three faces the flattest two in opposite directions are paired: a sheet stays
-//     solid |   | solid         whole and the fin on it comes off.
+//     solid |   | solid
+//      ─────┘   └─────
+//      ─────┐   ┌─────
+//     solid |   | solid
 //
-// With `opposed_only`, pairs are in opposite directions and no pair is a triangle and its copy; otherwise what is left over is
-// paired in angular order. Returns pairs of half-edges.
+// Seen along the edge, faces whose backs look at each other bound a piece of solid between them and are paired,
+// innermost first, so that pairs do not cross: two cubes that share an edge come apart as two cubes. With three faces
+// the flattest two in opposite directions are paired: a sheet stays whole and the fin on it comes off.
+//
+// With `opposed_only`, pairs are in opposite directions and no pair is a triangle and its copy; otherwise what is left
+// over is paired in angular order. Returns pairs of half-edges.
 std::vector<std::pair<uint32_t, uint32_t>> PairFacesAround(const Vec3& a, const Vec3& b, std::vector<FaceAtEdge> faces,
                                                            bool opposed_only);
 

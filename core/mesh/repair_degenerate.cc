@@ -46,10 +46,13 @@ void RemoveFaces(TriangleMesh& mesh, const std::vector<bool>& dropped) {
 // How many faces lie at the sides of some triangles, sides at the same positions counted together.
 class SideCounts {
  public:
-  SideCounts(const TriangleMesh& mesh, const std::vector<uint32_t>& faces) : mesh_(mesh), position_(mesh.positions.size()) {
+  SideCounts(const TriangleMesh& mesh, const std::vector<uint32_t>& faces)
+      : mesh_(mesh), position_(mesh.positions.size()) {
     std::vector<uint32_t> order(mesh.positions.size());
     for (uint32_t v = 0; v < order.size(); ++v) order[v] = v;
-    const auto key = [&](uint32_t v) { return std::tie(mesh.positions[v].x, mesh.positions[v].y, mesh.positions[v].z); };
+    const auto key = [&](uint32_t v) {
+      return std::tie(mesh.positions[v].x, mesh.positions[v].y, mesh.positions[v].z);
+    };
     // A NaN would break the order; such vertices carry no face any more.
     std::erase_if(order, [&](uint32_t v) { return !IsFinite(mesh.positions[v]); });
     std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return key(a) < key(b); });
@@ -125,13 +128,15 @@ class CapFlipper {
     const VertexId u = OriginOf(mesh_, h), v = TargetOf(mesh_, h);
     const VertexId w = OriginOf(mesh_, PreviousHalfEdge(h)), d = OriginOf(mesh_, PreviousHalfEdge(g));
     const Triangle left = {u, d, w}, right = {d, v, w};
-    if (w == d || !IsGood(left, mesh_.triangles[FaceOfHalfEdge(g)]) || !IsGood(right, mesh_.triangles[FaceOfHalfEdge(g)]) ||
-        AreNeighbours(h, d)) {
+    if (w == d || !IsGood(left, mesh_.triangles[FaceOfHalfEdge(g)]) ||
+        !IsGood(right, mesh_.triangles[FaceOfHalfEdge(g)]) || AreNeighbours(h, d)) {
       return false;
     }
     const uint32_t f0 = 3 * FaceOfHalfEdge(h), g0 = 3 * FaceOfHalfEdge(g);
-    const uint32_t across_vw = adjacency_.OppositeOf(NextHalfEdge(h)), across_wu = adjacency_.OppositeOf(PreviousHalfEdge(h));
-    const uint32_t across_ud = adjacency_.OppositeOf(NextHalfEdge(g)), across_dv = adjacency_.OppositeOf(PreviousHalfEdge(g));
+    const uint32_t across_vw = adjacency_.OppositeOf(NextHalfEdge(h)),
+                   across_wu = adjacency_.OppositeOf(PreviousHalfEdge(h));
+    const uint32_t across_ud = adjacency_.OppositeOf(NextHalfEdge(g)),
+                   across_dv = adjacency_.OppositeOf(PreviousHalfEdge(g));
     mesh_.triangles[f0 / 3] = left;
     mesh_.triangles[g0 / 3] = right;
     Link(f0, across_ud), Link(f0 + 1, g0 + 2), Link(f0 + 2, across_wu);
@@ -159,13 +164,16 @@ class CapFlipper {
     uint32_t at = start;
     int steps = 0;
     do {  // counter-clockwise
-      if (TargetOf(mesh_, at) == d || OriginOf(mesh_, PreviousHalfEdge(at)) == d || ++steps > kLongestFanWalk) return true;
+      if (TargetOf(mesh_, at) == d || OriginOf(mesh_, PreviousHalfEdge(at)) == d || ++steps > kLongestFanWalk)
+        return true;
       at = adjacency_.NextAroundOrigin(at);
     } while (at != kNoHalfEdge && at != start);
     if (at == start) return false;
-    for (at = adjacency_.OppositeOf(start); at != kNoHalfEdge; at = adjacency_.OppositeOf(at)) {  // clockwise to the other rim
+    for (at = adjacency_.OppositeOf(start); at != kNoHalfEdge;
+         at = adjacency_.OppositeOf(at)) {  // clockwise to the other rim
       at = NextHalfEdge(at);
-      if (TargetOf(mesh_, at) == d || OriginOf(mesh_, PreviousHalfEdge(at)) == d || ++steps > kLongestFanWalk) return true;
+      if (TargetOf(mesh_, at) == d || OriginOf(mesh_, PreviousHalfEdge(at)) == d || ++steps > kLongestFanWalk)
+        return true;
     }
     return false;
   }
@@ -194,7 +202,8 @@ uint64_t DropNeedlesAndLooseCaps(TriangleMesh& mesh) {
   for (const uint32_t f : faces) {
     const uint32_t h = ShortestSide(mesh, f);
     if (SquaredSide(mesh, h) > kZeroSideRatio * kZeroSideRatio * SquaredSide(mesh, LongestSide(mesh, f))) continue;
-    const VertexId kept = std::min(OriginOf(mesh, h), TargetOf(mesh, h)), moved = std::max(OriginOf(mesh, h), TargetOf(mesh, h));
+    const VertexId kept = std::min(OriginOf(mesh, h), TargetOf(mesh, h)),
+                   moved = std::max(OriginOf(mesh, h), TargetOf(mesh, h));
     mesh.positions[moved.index()] = mesh.positions[kept.index()];
     drop(f);
   }

@@ -10,8 +10,8 @@ namespace meshfront {
 namespace {
 
 constexpr double kSmallestVolumeRatio = 1e-12;  // of the box diagonal cubed: beyond rounding
-constexpr uint64_t kMostWork = 400'000'000;  // pairs of boxes, about 2 ns each
-constexpr uint64_t kWorkPerFace = 20;        // of a winding number, in the same unit
+constexpr uint64_t kMostWork = 400'000'000;     // pairs of boxes, about 2 ns each
+constexpr uint64_t kWorkPerFace = 20;           // of a winding number, in the same unit
 
 struct Component {
   uint32_t first_face = 0;
@@ -109,7 +109,8 @@ class Nesting {
     return std::abs(WindingNumber(Corner(in.first_face, 0), outer)) > 0.5;
   }
 
-  // Sum of the solid angles of the faces as seen from p (van Oosterom and Strackee), over 4π: an integer inside or outside.
+  // Sum of the solid angles of the faces as seen from p (van Oosterom and Strackee), over 4π: an integer inside or
+  // outside.
   double WindingNumber(const Vec3& p, uint32_t component) const {
     double sum = 0;
     for (const uint32_t f : faces_[component]) {

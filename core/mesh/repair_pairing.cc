@@ -1,13 +1,14 @@
 // Making an oriented manifold:
 //
 // 1. PairByIndex: two faces at an edge are paired; more than two by their angles around it, what is left becomes rim.
-// 2. Orient: each component is walked; the minority of its faces is reversed. Pairs that contradict the walk belong to a component that
-//    can't be oriented (Möbius, Klein) and are cut: they form curves that end nowhere inside.
+// 2. Orient: each component is walked; the minority of its faces is reversed. Pairs that contradict the walk belong to
+//    a component that can't be oriented (Möbius, Klein) and are cut: they form curves that end nowhere inside.
 // 3. Weld: rims that run in opposite directions between the same positions are paired.
-// 4. AssignVertices: the corners that pairs connect are one fan and get one vertex; a vertex with several fans is copied, vertices in
-//    one fan become one.
-// 5. Two edges may now run between the same two vertices (a sheet that touches itself along an edge and is connected around both
-//    ends). Joins of step 3 there are undone; where there are none, faces beyond the first pair are dropped.
+// 4. AssignVertices: the corners that pairs connect are one fan and get one vertex; a vertex with several fans is
+//    copied, vertices in one fan become one.
+// 5. Two edges may now run between the same two vertices (a sheet that touches itself along an edge and is connected
+//    around both ends). Joins of step 3 there are undone; where there are none, faces beyond the first pair are
+//    dropped.
 // Rejected: welding by position first; it makes open meshes that touch themselves non-manifold, to be cut apart again.
 #include "core/mesh/repair_pairing.h"
 
@@ -64,7 +65,9 @@ std::pair<VertexId, VertexId> EndsOf(const TriangleMesh& mesh, uint32_t h) {
   return a < b ? std::pair(a, b) : std::pair(b, a);
 }
 
-const Vec3& ApexOf(const TriangleMesh& mesh, uint32_t h) { return mesh.PositionAt(OriginOf(mesh, PreviousHalfEdge(h))); }
+const Vec3& ApexOf(const TriangleMesh& mesh, uint32_t h) {
+  return mesh.PositionAt(OriginOf(mesh, PreviousHalfEdge(h)));
+}
 
 class ManifoldMaker {
  public:
@@ -96,7 +99,8 @@ class ManifoldMaker {
     return OriginOf(mesh_, h) == OriginOf(mesh_, g) && TargetOf(mesh_, h) == TargetOf(mesh_, g);
   }
   bool SameEdge(uint32_t h, uint32_t g) const {
-    return SameDirection(h, g) || (OriginOf(mesh_, h) == TargetOf(mesh_, g) && TargetOf(mesh_, h) == OriginOf(mesh_, g));
+    return SameDirection(h, g) ||
+           (OriginOf(mesh_, h) == TargetOf(mesh_, g) && TargetOf(mesh_, h) == OriginOf(mesh_, g));
   }
 
   void PairByIndex() {
@@ -132,8 +136,8 @@ class ManifoldMaker {
     if (changes_.reversed_faces > 0) Reverse(reversed);
   }
 
-  // All faces that pairs connect with the seed. Sides that agree already are crossed first, so that as few faces as possible are
-  // reversed and a component that can't be oriented is cut where its file is inconsistent.
+  // All faces that pairs connect with the seed. Sides that agree already are crossed first, so that as few faces as
+  // possible are reversed and a component that can't be oriented is cut where its file is inconsistent.
   std::vector<uint32_t> WalkComponent(uint32_t seed, std::vector<bool>& seen, std::vector<bool>& reversed) const {
     std::vector<uint32_t> component = {seed}, disagreeing;  // queues that are kept; faces and half-edges
     seen[seed] = true;
@@ -207,7 +211,8 @@ class ManifoldMaker {
     }
   }
 
-  // A mesh of the same triangles with one vertex for each fan. First come, first served: the first fan at a vertex keeps it.
+  // A mesh of the same triangles with one vertex for each fan. First come, first served: the first fan at a vertex
+  // keeps it.
   TriangleMesh AssignVertices() {
     UnionFind corners(partner_.size());
     for (uint32_t h = 0; h < partner_.size(); ++h) {
@@ -236,7 +241,8 @@ class ManifoldMaker {
       }
       out.triangles[c / 3][c % 3] = VertexId(v);
     }
-    changes_.welded_vertices = uint64_t(std::count(used.begin(), used.end(), true) - std::count(taken.begin(), taken.end(), true));
+    changes_.welded_vertices =
+        uint64_t(std::count(used.begin(), used.end(), true) - std::count(taken.begin(), taken.end(), true));
     return out;
   }
 
@@ -273,7 +279,8 @@ class ManifoldMaker {
   void DropFaces(const TriangleMesh& candidate, const std::vector<uint32_t>& conflicts) {
     std::vector<bool> dropped(mesh_.triangles.size(), false);
     for (size_t i = 0, end; i < conflicts.size(); i = end) {
-      for (end = i + 1; end < conflicts.size() && EndsOf(candidate, conflicts[i]) == EndsOf(candidate, conflicts[end]);) ++end;
+      for (end = i + 1; end < conflicts.size() && EndsOf(candidate, conflicts[i]) == EndsOf(candidate, conflicts[end]);)
+        ++end;
       uint32_t kept = conflicts[i];
       for (size_t k = end; k-- > i;) {
         if (partner_[conflicts[k]] != kNoHalfEdge) kept = conflicts[k];

@@ -19,7 +19,8 @@ std::vector<uint32_t> FirstAtPosition(const std::vector<Vec3>& positions) {
   for (uint32_t v = 0; v < order.size(); ++v) order[v] = first[v] = v;
   std::erase_if(order, [&](uint32_t v) { return !IsFinite(positions[v]); });
   const auto key = [&](uint32_t v) { return std::tie(positions[v].x, positions[v].y, positions[v].z); };
-  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return key(a) != key(b) ? key(a) < key(b) : a < b; });
+  std::sort(order.begin(), order.end(),
+            [&](uint32_t a, uint32_t b) { return key(a) != key(b) ? key(a) < key(b) : a < b; });
   for (size_t i = 1; i < order.size(); ++i) {
     if (positions[order[i]] == positions[order[i - 1]]) first[order[i]] = first[order[i - 1]];
   }
@@ -94,7 +95,8 @@ UnionFind Clusters(const TriangleMesh& mesh, const std::vector<Cell>& cells, dou
       const Cell wanted{cell.x + n % 3 - 1, cell.y + n / 3 % 3 - 1, cell.z + n / 9 - 1, 0};
       const auto it = std::lower_bound(cells.begin(), cells.end(), wanted, Precedes);
       if (it == cells.end() || it->Key() != wanted.Key()) continue;
-      if (Distance(mesh.positions[it->vertex], mesh.positions[cell.vertex]) <= tolerance) clusters.Unite(it->vertex, cell.vertex);
+      if (Distance(mesh.positions[it->vertex], mesh.positions[cell.vertex]) <= tolerance)
+        clusters.Unite(it->vertex, cell.vertex);
     }
   }
   return clusters;

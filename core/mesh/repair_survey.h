@@ -23,8 +23,8 @@ struct MeshSurvey {
 };
 MeshSurvey Survey(const TriangleMesh& mesh);
 
-// The adjacency, when the mesh is an oriented manifold of different triangles: no edge with more than two faces, no two faces in the
-// same direction through an edge, one fan at every vertex, no triangle twice.
+// The adjacency, when the mesh is an oriented manifold of different triangles: no edge with more than two faces, no two
+// faces in the same direction through an edge, one fan at every vertex, no triangle twice.
 std::optional<FaceAdjacency> FindManifoldAdjacency(const TriangleMesh& mesh);
 
 }  // namespace meshfront

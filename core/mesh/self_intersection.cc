@@ -23,7 +23,8 @@ std::vector<VertexId> FirstAtPosition(const std::vector<Vec3>& positions) {
     if (IsFinite(positions[v])) order.push_back(v);
   }
   const auto key = [&](uint32_t v) { return std::tie(positions[v].x, positions[v].y, positions[v].z); };
-  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return key(a) != key(b) ? key(a) < key(b) : a < b; });
+  std::sort(order.begin(), order.end(),
+            [&](uint32_t a, uint32_t b) { return key(a) != key(b) ? key(a) < key(b) : a < b; });
   for (size_t i = 1; i < order.size(); ++i) {
     if (positions[order[i]] == positions[order[i - 1]]) first[order[i]] = first[order[i - 1]];
   }
@@ -58,7 +59,8 @@ struct BlockPairs {
 
 }  // namespace
 
-absl::StatusOr<SelfIntersections> FindSelfIntersections(const TriangleMesh& mesh, size_t listed_pairs, const Context& context) {
+absl::StatusOr<SelfIntersections> FindSelfIntersections(const TriangleMesh& mesh, size_t listed_pairs,
+                                                        const Context& context) {
   MESHFRONT_RETURN_IF_ERROR(ValidateIndices(mesh));
   const Welded welded = WeldedTriangles(mesh);
   const TriangleBvh bvh(mesh.positions, welded.triangles);

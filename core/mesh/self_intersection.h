@@ -17,9 +17,11 @@ struct SelfIntersections {
   uint64_t skipped_faces = 0;                          // without area (exactly), or with a corner that is not finite
 };
 
-// Pairs of triangles that have more in common than a corner or a side, exactly on the coordinates as they are; vertices at equal
-// positions count as one. Touching counts, and so do duplicates. O(n log n) for meshes that are surfaces; the number of pairs at worst.
-// InvalidArgument when an index is out of range; Cancelled or DeadlineExceeded. The same result at any number of threads.
-absl::StatusOr<SelfIntersections> FindSelfIntersections(const TriangleMesh& mesh, size_t listed_pairs, const Context& context);
+// Pairs of triangles that have more in common than a corner or a side, exactly on the coordinates as they are; vertices
+// at equal positions count as one. Touching counts, and so do duplicates. O(n log n) for meshes that are surfaces; the
+// number of pairs at worst. InvalidArgument when an index is out of range; Cancelled or DeadlineExceeded. The same
+// result at any number of threads.
+absl::StatusOr<SelfIntersections> FindSelfIntersections(const TriangleMesh& mesh, size_t listed_pairs,
+                                                        const Context& context);
 
 }  // namespace meshfront

@@ -1,8 +1,8 @@
 // Counts of a mesh.
 //
 // 1. MeasureOriented: an oriented manifold, what the engine takes and gives, is counted from its adjacency.
-// 2. MeasureAny: everything else, edge by edge. Two corners belong to one fan when they lie at the same end of an edge with two
-//    faces; components, fans, rims and orientations are unions of what edges connect.
+// 2. MeasureAny: everything else, edge by edge. Two corners belong to one fan when they lie at the same end of an edge
+//    with two faces; components, fans, rims and orientations are unions of what edges connect.
 #include "core/mesh/topology.h"
 
 #include <algorithm>
@@ -47,7 +47,10 @@ TopologyReport MeasureOriented(const TriangleMesh& mesh, const FaceAdjacency& ad
 class AnyMesh {
  public:
   explicit AnyMesh(const TriangleMesh& mesh)
-      : mesh_(mesh), vertices_(mesh.positions.size()), corners_(3 * mesh.triangles.size()), faces_(mesh.triangles.size()) {}
+      : mesh_(mesh),
+        vertices_(mesh.positions.size()),
+        corners_(3 * mesh.triangles.size()),
+        faces_(mesh.triangles.size()) {}
 
   TopologyReport Measure() {
     out_.oriented = true;
@@ -92,7 +95,8 @@ class AnyMesh {
     corners_.Unite(b0, b1);
     const bool same_direction = OriginOf(mesh_, half_edges[0]) == OriginOf(mesh_, half_edges[1]);
     if (same_direction) out_.oriented = false;
-    if (!faces_.Unite(FaceOfHalfEdge(half_edges[0]), FaceOfHalfEdge(half_edges[1]), same_direction)) orientable_ = false;
+    if (!faces_.Unite(FaceOfHalfEdge(half_edges[0]), FaceOfHalfEdge(half_edges[1]), same_direction))
+      orientable_ = false;
   }
 
   void CountVertices() {
@@ -122,8 +126,10 @@ class AnyMesh {
     for (uint32_t i = 0; i < rim_.size(); ++i) {
       for (const uint32_t corner : {rim_[i], NextHalfEdge(rim_[i])}) {
         uint32_t& other = first[corners_.Find(corner)];
-        if (other == kNoHalfEdge) other = i;
-        else links += chains.Unite(other, i);
+        if (other == kNoHalfEdge)
+          other = i;
+        else
+          links += chains.Unite(other, i);
       }
     }
     out_.boundary_loops = rim_.size() - links;

@@ -20,9 +20,9 @@ const TriangleMesh& TorusOf(int n) {
 }
 
 void CountPerTriangle(benchmark::State& state, const TriangleMesh& mesh) {
-  state.counters["ns_per_triangle"] = benchmark::Counter(double(mesh.triangles.size()) * 1e-9,
-                                                         benchmark::Counter::kIsIterationInvariantRate |
-                                                             benchmark::Counter::kInvert);
+  state.counters["ns_per_triangle"] =
+      benchmark::Counter(double(mesh.triangles.size()) * 1e-9,
+                         benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
 void BM_CreateAdjacency(benchmark::State& state) {
@@ -78,7 +78,8 @@ void BM_FindClosestPoint(benchmark::State& state) {
   std::uniform_real_distribution<double> offset(-0.01 * double(state.range(0)), 0.01 * double(state.range(0)));
   std::vector<Vec3> points;
   for (int i = 0; i < 4096; ++i) {
-    points.push_back(mesh.positions[random() % mesh.positions.size()] + Vec3{offset(random), offset(random), offset(random)});
+    points.push_back(mesh.positions[random() % mesh.positions.size()] +
+                     Vec3{offset(random), offset(random), offset(random)});
   }
   size_t i = 0;
   for (auto _ : state) benchmark::DoNotOptimize(bvh.FindClosestPoint(points[i++ % points.size()]));

@@ -13,7 +13,9 @@ struct Soup {
   std::vector<TriangleBvh::Corners> triangles;
   double DistanceTo(const Vec3& p, uint32_t f) const {
     const auto& t = triangles[f];
-    return Distance(p, ClosestPointOnTriangle(p, positions[t[0].index()], positions[t[1].index()], positions[t[2].index()]).position);
+    return Distance(
+        p,
+        ClosestPointOnTriangle(p, positions[t[0].index()], positions[t[1].index()], positions[t[2].index()]).position);
   }
 };
 

@@ -21,14 +21,16 @@ struct Rational {
 
 using P = std::array<int64_t, 3>;
 P Minus(const P& a, const P& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-P CrossOf(const P& a, const P& b) { return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}; }
+P CrossOf(const P& a, const P& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
 int64_t DotOf(const P& a, const P& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-// Whether two triangles have a common point besides the given corners and the segment between them, by another way than the
-// code: separating axes. Two convex sets are disjoint iff some direction among normals, in-plane normals of sides and cross
-// products of sides separates them (strictly). For shared corners the corner is cut off: the common points form a convex set,
-// so it suffices to look whether the triangles, shrunk towards their other corners, still meet for all small cuts; on an
-// integer grid a cut at 1/1000 is small enough.
+// Whether two triangles have a common point besides the given corners and the segment between them, by another way than
+// the code: separating axes. Two convex sets are disjoint iff some direction among normals, in-plane normals of sides
+// and cross products of sides separates them (strictly). For shared corners the corner is cut off: the common points
+// form a convex set, so it suffices to look whether the triangles, shrunk towards their other corners, still meet for
+// all small cuts; on an integer grid a cut at 1/1000 is small enough.
 bool Separated(const std::vector<P>& a, const std::vector<P>& b) {
   std::vector<P> axes;
   std::vector<P> a_sides, b_sides;
@@ -82,8 +84,8 @@ TEST(TrianglesIntersect, AgreesWithSeparatingAxesOnAGrid) {
 }
 
 TEST(TrianglesIntersect, WithASharedCornerAgreesWithTriangleThatEndsBeforeIt) {
-  // Cut the shared corner off one triangle, a thousandth of the way: what remains meets the other iff they have more in common,
-  // as common points reach up to where one triangle ends, which on this grid is farther away.
+  // Cut the shared corner off one triangle, a thousandth of the way: what remains meets the other iff they have more in
+  // common, as common points reach up to where one triangle ends, which on this grid is farther away.
   std::mt19937 random(2);
   int meeting = 0, apart = 0;
   for (int i = 0; i < 40000; ++i) {
@@ -114,7 +116,8 @@ TEST(TrianglesIntersect, WithASharedCornerAgreesWithTriangleThatEndsBeforeIt) {
 
 TEST(TrianglesIntersect, NeighboursAcrossAnEdgeMeetOnlyWhenFoldedFlat) {
   const Vec3 a[3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  const SharedCorners shared = SharedCornersOf({VertexId(0), VertexId(1), VertexId(2)}, {VertexId(1), VertexId(0), VertexId(3)});
+  const SharedCorners shared =
+      SharedCornersOf({VertexId(0), VertexId(1), VertexId(2)}, {VertexId(1), VertexId(0), VertexId(3)});
   EXPECT_EQ(shared.count, 2);
   const Vec3 flat[3] = {{1, 0, 0}, {0, 0, 0}, {0.5, -1, 0}};
   EXPECT_FALSE(TrianglesIntersect(a, flat, shared));
@@ -145,10 +148,10 @@ TEST(SegmentMeetsTriangle, CrossesTouchesAndLiesInThePlane) {
   EXPECT_TRUE(SegmentMeetsTriangle({1, 1, -1}, {1, 1, 1}, t));
   EXPECT_FALSE(SegmentMeetsTriangle({1, 1, 0.5}, {1, 1, 1}, t));
   EXPECT_FALSE(SegmentMeetsTriangle({3, 3, -1}, {3, 3, 1}, t));
-  EXPECT_TRUE(SegmentMeetsTriangle({2, 2, -1}, {2, 2, 1}, t));    // through a side
-  EXPECT_TRUE(SegmentMeetsTriangle({-1, 1, 0}, {5, 1, 0}, t));    // in the plane
+  EXPECT_TRUE(SegmentMeetsTriangle({2, 2, -1}, {2, 2, 1}, t));  // through a side
+  EXPECT_TRUE(SegmentMeetsTriangle({-1, 1, 0}, {5, 1, 0}, t));  // in the plane
   EXPECT_FALSE(SegmentMeetsTriangle({5, 0, 0}, {0, 5, 0}, t));
-  EXPECT_TRUE(SegmentMeetsTriangle({1, 1, 0}, {1.5, 1, 0}, t));   // inside
+  EXPECT_TRUE(SegmentMeetsTriangle({1, 1, 0}, {1.5, 1, 0}, t));  // inside
 }
 
 }  // namespace

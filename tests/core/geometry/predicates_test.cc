@@ -14,10 +14,13 @@ int SignOf(__int128 x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
 int IntegerOrient3d(const int64_t (&a)[3], const int64_t (&b)[3], const int64_t (&c)[3], const int64_t (&d)[3]) {
   __int128 u[3], v[3], w[3];
   for (int i = 0; i < 3; ++i) u[i] = b[i] - a[i], v[i] = c[i] - a[i], w[i] = d[i] - a[i];
-  return SignOf(w[0] * (u[1] * v[2] - u[2] * v[1]) + w[1] * (u[2] * v[0] - u[0] * v[2]) + w[2] * (u[0] * v[1] - u[1] * v[0]));
+  return SignOf(w[0] * (u[1] * v[2] - u[2] * v[1]) + w[1] * (u[2] * v[0] - u[0] * v[2]) +
+                w[2] * (u[0] * v[1] - u[1] * v[0]));
 }
 
-Vec3 ToVec(const int64_t (&p)[3], double scale) { return {scale * double(p[0]), scale * double(p[1]), scale * double(p[2])}; }
+Vec3 ToVec(const int64_t (&p)[3], double scale) {
+  return {scale * double(p[0]), scale * double(p[1]), scale * double(p[2])};
+}
 
 TEST(Predicates, SignsFollowTheRightHand) {
   EXPECT_EQ(Orient2d({0, 0}, {1, 0}, {0, 1}), 1);
@@ -29,7 +32,8 @@ TEST(Predicates, SignsFollowTheRightHand) {
 }
 
 TEST(Predicates, Orient3dEqualsIntegerArithmeticNearAndInPlanes) {
-  // d is an integer combination of the others, then moved by at most one grid step: the filter can't tell, the integers can.
+  // d is an integer combination of the others, then moved by at most one grid step: the filter can't tell, the integers
+  // can.
   std::mt19937_64 random(1);
   int zeros = 0;
   for (int i = 0; i < 20000; ++i) {

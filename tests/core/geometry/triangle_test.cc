@@ -42,7 +42,8 @@ TEST(Triangle, RadiusRatioOfPointsAndOfSidesAgree) {
 TEST(Triangle, NeedlesKeepTheirRadiusRatioFromEveryCorner) {
   // A needle of base 1e-9 and length 1, far from the origin's grid: q = 16 A² / (abc (a + b + c)) = 2e-9.
   const Vec3 a{0, 0, 0}, b{0.6, 0.8, 0}, c{0.6 - 0.8e-9, 0.8 + 0.6e-9, 0};
-  for (const double q : {RadiusRatio(a, b, c), RadiusRatio(b, c, a), RadiusRatio(c, a, b)}) EXPECT_NEAR(q / 2e-9, 1, 1e-6);
+  for (const double q : {RadiusRatio(a, b, c), RadiusRatio(b, c, a), RadiusRatio(c, a, b)})
+    EXPECT_NEAR(q / 2e-9, 1, 1e-6);
 }
 
 TEST(Triangle, MinAngleIsTheSmallestOfThree) {

@@ -47,7 +47,8 @@ TEST(Adjacency, CirculationFromARimVertexCoversItsFan) {
   const TriangleMesh mesh = shapes::Shuffled(shapes::Grid(3), 3);
   const FaceAdjacency adjacency = CreateAdjacency(mesh);
   std::vector<std::set<uint32_t>> faces_at(mesh.positions.size()), walked(mesh.positions.size());
-  for (uint32_t h = 0; h < 3 * mesh.triangles.size(); ++h) faces_at[OriginOf(mesh, h).index()].insert(FaceOfHalfEdge(h));
+  for (uint32_t h = 0; h < 3 * mesh.triangles.size(); ++h)
+    faces_at[OriginOf(mesh, h).index()].insert(FaceOfHalfEdge(h));
   int rim_vertices = 0;
   for (uint32_t v = 0; v < mesh.positions.size(); ++v) {
     rim_vertices += adjacency.IsRimVertex(v);
@@ -69,7 +70,8 @@ TEST(Adjacency, BoundaryLoopKeepsTheMeshOnItsLeft) {
 
 TEST(Adjacency, TwoSheetsThatTouchInAVertexHaveTwoLoops) {
   // Two triangles that share one vertex: two fans, two loops.
-  const TriangleMesh mesh = shapes::MeshOf({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, -1, 0}}, {{0, 1, 2}, {0, 3, 4}});
+  const TriangleMesh mesh =
+      shapes::MeshOf({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, -1, 0}}, {{0, 1, 2}, {0, 3, 4}});
   const FaceAdjacency adjacency = CreateAdjacency(mesh);
   EXPECT_THAT(FindBoundaryLoops(adjacency), ElementsAre(SizeIs(3), SizeIs(3)));
   EXPECT_FALSE(HasSingleFans(mesh, adjacency));

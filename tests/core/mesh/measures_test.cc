@@ -20,8 +20,8 @@ using testing::StatusIs;
 
 TEST(Quality, OfTwoTrianglesByHand) {
   // Equilateral of side 1 and a right isosceles one of legs 2, apart.
-  const TriangleMesh mesh = shapes::MeshOf({{0, 0, 0}, {1, 0, 0}, {0.5, std::sqrt(0.75), 0}, {5, 0, 0}, {7, 0, 0}, {5, 2, 0}},
-                                           {{0, 1, 2}, {3, 4, 5}});
+  const TriangleMesh mesh = shapes::MeshOf(
+      {{0, 0, 0}, {1, 0, 0}, {0.5, std::sqrt(0.75), 0}, {5, 0, 0}, {7, 0, 0}, {5, 2, 0}}, {{0, 1, 2}, {3, 4, 5}});
   const QualityReport q = MeasureQuality(mesh);
   const double right = 2 * (std::sqrt(2.0) - 1);  // 2r/R of a right isosceles triangle
   EXPECT_EQ(q.triangles, 2u);
@@ -56,7 +56,8 @@ TEST(Quality, EmptyAndDegenerateMeshesHaveZeros) {
 TEST(Quality, AccumulatorAgreesWithTheWholeMesh) {
   for (const TriangleMesh& mesh : {testing::GenusThree(32), testing::Icosphere(3), shapes::Grid(4)}) {
     QualityAccumulator accumulator;
-    for (const Triangle& t : mesh.triangles) accumulator.Add(mesh.PositionAt(t[0]), mesh.PositionAt(t[1]), mesh.PositionAt(t[2]));
+    for (const Triangle& t : mesh.triangles)
+      accumulator.Add(mesh.PositionAt(t[0]), mesh.PositionAt(t[1]), mesh.PositionAt(t[2]));
     const QualityReport a = accumulator.Report(), b = MeasureQuality(mesh);
     EXPECT_EQ(a.triangles, b.triangles);
     EXPECT_EQ(a.radius_ratio_min, b.radius_ratio_min);
@@ -86,7 +87,9 @@ TEST(Distance, OfAMeshToItselfIsZero) {
 
 TEST(Distance, OfTwoParallelSheetsIsTheirGap) {
   // A sheet of side 2 and a smaller one of side 1 above its middle, 0.25 apart. Backward: up to the corners.
-  TriangleMesh below = testing::Sheet(4), above = testing::Mapped(below, [](const Vec3& p) { return Vec3{p.x / 2, p.y / 2, 0.25}; });
+  TriangleMesh below = testing::Sheet(4), above = testing::Mapped(below, [](const Vec3&p) {
+                                            return Vec3{p.x / 2, p.y / 2, 0.25};
+                                          });
   const auto report = MeasureDistance(above, below, {.samples = 20000}, Context{});
   ASSERT_TRUE(report.ok());
   EXPECT_DOUBLE_EQ(report->forward.max, 0.25);
@@ -118,7 +121,8 @@ TEST(Distance, IsTheSameAtAnyNumberOfThreadsAndChangesWithTheSeed) {
 }
 
 TEST(Distance, RefusesMeshesWithoutTriangles) {
-  EXPECT_THAT(MeasureDistance({}, shapes::Tetrahedron(), {}, Context{}), StatusIs(absl::StatusCode::kInvalidArgument, "the mesh has no"));
+  EXPECT_THAT(MeasureDistance({}, shapes::Tetrahedron(), {}, Context{}),
+              StatusIs(absl::StatusCode::kInvalidArgument, "the mesh has no"));
   EXPECT_THAT(MeasureDistance(shapes::Tetrahedron(), {}, {}, Context{}),
               StatusIs(absl::StatusCode::kInvalidArgument, "the reference has no"));
 }
@@ -135,8 +139,9 @@ TEST(SelfIntersections, CleanShapesHaveNone) {
 
 TEST(SelfIntersections, ListsThePairsInOrder) {
   // Two triangles crossing a third, and a duplicate of the third.
-  const TriangleMesh mesh = shapes::MeshOf({{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, -1}, {1, 1, 1}, {3, 3, 0}, {9, 9, 9}, {9, 9, 8}, {9, 8, 9}},
-                                           {{0, 1, 2}, {6, 7, 8}, {3, 4, 5}, {1, 0, 2}});
+  const TriangleMesh mesh = shapes::MeshOf(
+      {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, -1}, {1, 1, 1}, {3, 3, 0}, {9, 9, 9}, {9, 9, 8}, {9, 8, 9}},
+      {{0, 1, 2}, {6, 7, 8}, {3, 4, 5}, {1, 0, 2}});
   const auto found = FindSelfIntersections(mesh, 2, Context{});
   ASSERT_TRUE(found.ok());
   EXPECT_EQ(found->pairs, 3u);
@@ -153,7 +158,8 @@ TEST(SelfIntersections, EqualBruteForceOnCrossingSpheresAtAnyNumberOfThreads) {
     for (size_t g = f + 1; g < mesh.triangles.size(); ++g) {
       Vec3 a[3], b[3];
       corners(f, a), corners(g, b);
-      if (TrianglesIntersect(a, b, SharedCornersOf(mesh.triangles[f], mesh.triangles[g]))) expected.push_back({FaceId(f), FaceId(g)});
+      if (TrianglesIntersect(a, b, SharedCornersOf(mesh.triangles[f], mesh.triangles[g])))
+        expected.push_back({FaceId(f), FaceId(g)});
     }
   }
   EXPECT_GT(expected.size(), 20u);

@@ -98,8 +98,8 @@ inline TriangleMesh Shuffled(TriangleMesh mesh, uint32_t seed) {
   return mesh;
 }
 
-// `faces` triangles with random corners among `vertices` vertices on a small grid: coinciding positions, repeated indices,
-// duplicates, edges with many faces.
+// `faces` triangles with random corners among `vertices` vertices on a small grid: coinciding positions, repeated
+// indices, duplicates, edges with many faces.
 inline TriangleMesh RandomSoup(int vertices, int faces, uint32_t seed) {
   std::mt19937 random(seed);
   TriangleMesh mesh;
@@ -107,7 +107,8 @@ inline TriangleMesh RandomSoup(int vertices, int faces, uint32_t seed) {
     mesh.positions.push_back({double(random() % 4), double(random() % 4), double(random() % 3)});
   }
   for (int i = 0; i < faces; ++i) {
-    mesh.triangles.push_back({VertexId(random() % vertices), VertexId(random() % vertices), VertexId(random() % vertices)});
+    mesh.triangles.push_back(
+        {VertexId(random() % vertices), VertexId(random() % vertices), VertexId(random() % vertices)});
   }
   return mesh;
 }

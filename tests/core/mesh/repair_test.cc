@@ -12,11 +12,11 @@
 namespace meshfront {
 namespace {
 
-using ::testing::IsEmpty;
 using testing::HasBoundaryLoops;
 using testing::HasComponents;
 using testing::HasGenus;
 using testing::IsClosedManifold;
+using ::testing::IsEmpty;
 using testing::IsManifold;
 using testing::StatusIs;
 
@@ -50,9 +50,9 @@ RepairResult Repaired(const TriangleMesh& mesh) {
 }
 
 TEST(Repair, LeavesACleanMeshAloneBitForBit) {
-  for (const TriangleMesh& mesh :
-       {shapes::Torus(9, 7), shapes::Grid(5), testing::Icosphere(2), testing::ConcentricShells(2), testing::ThinSlab(10),
-        testing::DiskWithHoles(30, 3), shapes::DoubleCone(3000), testing::Permuted(testing::Icosphere(2), 3)}) {
+  for (const TriangleMesh& mesh : {shapes::Torus(9, 7), shapes::Grid(5), testing::Icosphere(2),
+                                   testing::ConcentricShells(2), testing::ThinSlab(10), testing::DiskWithHoles(30, 3),
+                                   shapes::DoubleCone(3000), testing::Permuted(testing::Icosphere(2), 3)}) {
     const RepairResult result = Repaired(mesh);
     EXPECT_THAT(result.actions, IsEmpty()) << Told(result);
     EXPECT_EQ(result.mesh.positions, mesh.positions);
@@ -63,7 +63,8 @@ TEST(Repair, LeavesACleanMeshAloneBitForBit) {
 TEST(Repair, DropsUnreferencedVerticesAndTheirNormals) {
   TriangleMesh mesh = shapes::Tetrahedron();
   mesh.positions.insert(mesh.positions.begin(), Vec3{9, 9, 9});
-  for (Triangle& t : mesh.triangles) t = {VertexId(t[0].index() + 1), VertexId(t[1].index() + 1), VertexId(t[2].index() + 1)};
+  for (Triangle& t : mesh.triangles)
+    t = {VertexId(t[0].index() + 1), VertexId(t[1].index() + 1), VertexId(t[2].index() + 1)};
   for (int i = 0; i < 5; ++i) mesh.normals.push_back({double(i), 0, 0});
   const RepairResult result = Repaired(mesh);
   EXPECT_EQ(CountOf(result, "unreferenced_vertices"), 1u);
@@ -114,15 +115,17 @@ TEST(Repair, TurnsAnInsideOutSphereButNotACavity) {
   const RepairResult nest = Repaired(testing::Reversed(testing::ConcentricShells(2)));
   EXPECT_EQ(CountOf(nest, "reversed_components"), 2u);
   // Two spheres side by side, one inside out.
-  EXPECT_EQ(CountOf(Repaired(shapes::Joined(testing::Icosphere(1), testing::Reversed(testing::Icosphere(1)), {3, 0, 0})),
-                    "reversed_components"),
-            1u);
+  EXPECT_EQ(
+      CountOf(Repaired(shapes::Joined(testing::Icosphere(1), testing::Reversed(testing::Icosphere(1)), {3, 0, 0})),
+              "reversed_components"),
+      1u);
 }
 
 TEST(Repair, SplitsABowTieIntoTwoVertices) {
   const TriangleMesh mesh =
       shapes::MeshOf({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, -1, 0}}, {{0, 1, 2}, {0, 3, 4}});
-  EXPECT_THAT(RequireManifold(mesh), StatusIs(absl::StatusCode::kFailedPrecondition, "vertex 0 at (0, 0, 0) joins separate fans"));
+  EXPECT_THAT(RequireManifold(mesh),
+              StatusIs(absl::StatusCode::kFailedPrecondition, "vertex 0 at (0, 0, 0) joins separate fans"));
   const RepairResult result = Repaired(mesh);
   EXPECT_EQ(CountOf(result, "split_non_manifold_vertices"), 1u);
   EXPECT_THAT(result.mesh, HasComponents(2));
@@ -146,8 +149,8 @@ TEST(Repair, TakesTheFinOffASheet) {
   // Two coplanar triangles and a third upright on their common edge, on either side and in either direction.
   for (const double z : {1.0, -1.0}) {
     for (const bool turned : {false, true}) {
-      TriangleMesh mesh =
-          shapes::MeshOf({{0, 0, 0}, {1, 0, 0}, {0.5, 1, 0}, {0.5, -1, 0}, {0.5, 0, z}}, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}});
+      TriangleMesh mesh = shapes::MeshOf({{0, 0, 0}, {1, 0, 0}, {0.5, 1, 0}, {0.5, -1, 0}, {0.5, 0, z}},
+                                         {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}});
       if (turned) shapes::Reverse(mesh.triangles[2]);
       EXPECT_THAT(RequireManifold(mesh), StatusIs(absl::StatusCode::kFailedPrecondition, "has 3 triangles (0, 1, 2)"));
       const RepairResult result = Repaired(mesh);
@@ -228,13 +231,15 @@ TEST(Repair, WeldsASoupWhoseCornersAlmostMeet) {
 TEST(Repair, LeavesAScatterOfTrianglesAlone) {
   TriangleMesh mesh;
   for (int i = 0; i < 40; ++i) {
-    mesh = shapes::Joined(mesh, shapes::MeshOf({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}), {1.5 * (i % 7), 1.5 * (i / 7), 0});
+    mesh = shapes::Joined(mesh, shapes::MeshOf({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}),
+                          {1.5 * (i % 7), 1.5 * (i / 7), 0});
   }
   EXPECT_EQ(Told(Repaired(mesh)), "");
 }
 
 TEST(Repair, CutsAKleinBottleWhereItsFileIsInconsistent) {
-  // A grid of 12 × 10 quads, consistent but for the seam where it closes with one direction reversed: no face needs to be reversed.
+  // A grid of 12 × 10 quads, consistent but for the seam where it closes with one direction reversed: no face needs to
+  // be reversed.
   TriangleMesh mesh = shapes::Torus(12, 10);
   const auto id = [&](int i, int j) { return VertexId(i == 12 ? (10 - j % 10) % 10 : i * 10 + j % 10); };
   mesh.triangles.clear();
@@ -279,7 +284,8 @@ TEST(Repair, DropsSplintersLaidOnEdges) {
 }
 
 TEST(Repair, TurnsACapInsideAClosedMesh) {
-  // A tetrahedron with a vertex 4 in the middle of edge 0-1 that only one of the two faces there knows: the other is closed by a cap.
+  // A tetrahedron with a vertex 4 in the middle of edge 0-1 that only one of the two faces there knows: the other is
+  // closed by a cap.
   const TriangleMesh mesh = shapes::MeshOf({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.5, 0, 0}},
                                            {{0, 2, 1}, {0, 4, 3}, {4, 1, 3}, {0, 1, 4}, {1, 2, 3}, {2, 0, 3}});
   ASSERT_THAT(mesh, IsClosedManifold());
@@ -292,9 +298,9 @@ TEST(Repair, TurnsACapInsideAClosedMesh) {
 
 TEST(Repair, TurnsAStackOfCapsFromTheOutside) {
   // Three vertices in the middle of edge 0-1, closed by three caps of which only one touches a face with area.
-  const TriangleMesh mesh =
-      shapes::MeshOf({{0, 0, 0}, {4, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}},
-                     {{0, 4, 3}, {4, 5, 3}, {5, 6, 3}, {6, 1, 3}, {0, 5, 4}, {0, 6, 5}, {0, 1, 6}, {0, 2, 1}, {1, 2, 3}, {2, 0, 3}});
+  const TriangleMesh mesh = shapes::MeshOf(
+      {{0, 0, 0}, {4, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}},
+      {{0, 4, 3}, {4, 5, 3}, {5, 6, 3}, {6, 1, 3}, {0, 5, 4}, {0, 6, 5}, {0, 1, 6}, {0, 2, 1}, {1, 2, 3}, {2, 0, 3}});
   ASSERT_THAT(mesh, IsClosedManifold());
   const RepairResult result = Repaired(mesh);
   EXPECT_EQ(CountOf(result, "flipped_degenerate_faces"), 3u);
@@ -366,8 +372,10 @@ TEST(Repair, RefusesWhatHasNoSurfaceAndSaysWhy) {
   EXPECT_THAT(error({}), StatusIs(absl::StatusCode::kInvalidArgument, "has no triangles"));
   EXPECT_THAT(error(shapes::MeshOf({{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}, {{0, 1, 2}})),
               StatusIs(absl::StatusCode::kInvalidArgument, "1 have no area"));
-  EXPECT_THAT(error(testing::Scaled(testing::Icosphere(1), 1e300)), StatusIs(absl::StatusCode::kInvalidArgument, "beyond ±1e+150"));
-  EXPECT_THAT(error(testing::Scaled(testing::Icosphere(1), 1e-300)), StatusIs(absl::StatusCode::kInvalidArgument, "at least 1e-150"));
+  EXPECT_THAT(error(testing::Scaled(testing::Icosphere(1), 1e300)),
+              StatusIs(absl::StatusCode::kInvalidArgument, "beyond ±1e+150"));
+  EXPECT_THAT(error(testing::Scaled(testing::Icosphere(1), 1e-300)),
+              StatusIs(absl::StatusCode::kInvalidArgument, "at least 1e-150"));
   EXPECT_THAT(error(shapes::MeshOf({{0, 0, 0}, {1, 0, 0}}, {{0, 1, 2}})),
               StatusIs(absl::StatusCode::kInvalidArgument, "triangle 0 names vertex 2; the mesh has 2 vertices"));
 }
@@ -398,11 +406,21 @@ TEST(Repair, MakesAManifoldOfBrokenShapes) {
     for (int i = 0; i < 12; ++i) {
       Triangle& t = mesh.triangles[random() % mesh.triangles.size()];
       switch (random() % 5) {
-        case 0: shapes::Reverse(t); break;
-        case 1: t[random() % 3] = VertexId(random() % mesh.positions.size()); break;
-        case 2: mesh.positions[random() % mesh.positions.size()] = mesh.positions[random() % mesh.positions.size()]; break;
-        case 3: mesh.triangles.push_back(mesh.triangles[random() % mesh.triangles.size()]); break;
-        case 4: mesh.positions[t[0].index()] = 0.5 * (mesh.PositionAt(t[1]) + mesh.PositionAt(t[2])); break;
+        case 0:
+          shapes::Reverse(t);
+          break;
+        case 1:
+          t[random() % 3] = VertexId(random() % mesh.positions.size());
+          break;
+        case 2:
+          mesh.positions[random() % mesh.positions.size()] = mesh.positions[random() % mesh.positions.size()];
+          break;
+        case 3:
+          mesh.triangles.push_back(mesh.triangles[random() % mesh.triangles.size()]);
+          break;
+        case 4:
+          mesh.positions[t[0].index()] = 0.5 * (mesh.PositionAt(t[1]) + mesh.PositionAt(t[2]));
+          break;
       }
     }
     SCOPED_TRACE(seed);
@@ -423,7 +441,8 @@ TEST(Defects, CountsAllAndListsSome) {
 }
 
 TEST(Defects, NamesEdgesAndVerticesWithTheirPlaces) {
-  TriangleMesh mesh = shapes::MeshOf({{0, 0, 0}, {2, 0, 0}, {1, 1, 0}, {1, -1, 0}, {1, 0, 1}}, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}});
+  TriangleMesh mesh =
+      shapes::MeshOf({{0, 0, 0}, {2, 0, 0}, {1, 1, 0}, {1, -1, 0}, {1, 0, 1}}, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}});
   const DefectList list = FindDefects(mesh);
   ASSERT_EQ(list.total, 1u);
   EXPECT_EQ(list.defects[0].what, "non_manifold_edge");

@@ -50,15 +50,17 @@ TEST(Topology, ATorusWithAHoleKeepsItsGenusAndHasOneLoop) {
 }
 
 TEST(Topology, GenusIsSummedOverComponents) {
-  const TopologyReport t = MeasureTopology(shapes::Joined(shapes::Torus(8, 6), shapes::Joined(shapes::Torus(5, 4), shapes::Grid(2))));
+  const TopologyReport t =
+      MeasureTopology(shapes::Joined(shapes::Torus(8, 6), shapes::Joined(shapes::Torus(5, 4), shapes::Grid(2))));
   EXPECT_EQ(t.components, 3u);
   EXPECT_EQ(t.genus, 2);
   EXPECT_EQ(t.boundary_loops, 1u);
 }
 
 TEST(Topology, LoopsAreFollowedInsideTheFansOfAPinchedVertex) {
-  // The 4 × 4 grid without two faces that meet in one vertex only: through either fan there, one hole's rim continues as the
-  // other's, so that they are one loop, as they will be once the vertex is split. The outer rim is the other loop.
+  // The 4 × 4 grid without two faces that meet in one vertex only: through either fan there, one hole's rim continues
+  // as the other's, so that they are one loop, as they will be once the vertex is split. The outer rim is the other
+  // loop.
   TriangleMesh mesh = shapes::Grid(4);
   const VertexId centre(12);
   std::vector<size_t> at_centre;
@@ -78,7 +80,8 @@ TEST(Topology, LoopsAreFollowedInsideTheFansOfAPinchedVertex) {
 }
 
 TEST(Topology, BowTieIsOneComponentAndTwoLoops) {
-  const TopologyReport t = MeasureTopology(MeshOf({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, -1, 0}}, {{0, 1, 2}, {0, 3, 4}}));
+  const TopologyReport t =
+      MeasureTopology(MeshOf({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, -1, 0}}, {{0, 1, 2}, {0, 3, 4}}));
   EXPECT_EQ(t.components, 1u);
   EXPECT_EQ(t.boundary_loops, 2u);
   EXPECT_FALSE(t.manifold);
@@ -86,7 +89,8 @@ TEST(Topology, BowTieIsOneComponentAndTwoLoops) {
 }
 
 TEST(Topology, ThreeFinsAtAnEdgeAreNotManifold) {
-  const TopologyReport t = MeasureTopology(MeshOf({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}}, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}}));
+  const TopologyReport t = MeasureTopology(
+      MeshOf({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}}, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}}));
   EXPECT_FALSE(t.manifold);
   EXPECT_EQ(t.boundary_edges, 6u);
   EXPECT_EQ(t.boundary_loops, 3u);  // each fin's rim ends at the edge of three
@@ -125,7 +129,8 @@ TEST(Topology, UnusableTrianglesAndUnusedVerticesDoNotCount) {
 
 TEST(Topology, FlippedAndOrientedMeshesGetTheSameCountsFromBothWays) {
   // A flip forces the way for any mesh; all counts but `oriented` must agree with the fast way.
-  for (const TriangleMesh& mesh : {shapes::Torus(9, 7), shapes::Grid(6), shapes::Joined(shapes::Grid(2), shapes::Tetrahedron())}) {
+  for (const TriangleMesh& mesh :
+       {shapes::Torus(9, 7), shapes::Grid(6), shapes::Joined(shapes::Grid(2), shapes::Tetrahedron())}) {
     TriangleMesh flipped = shapes::Shuffled(mesh, 4);
     shapes::Reverse(flipped.triangles[3]);
     const TopologyReport a = MeasureTopology(mesh), b = MeasureTopology(flipped);
