@@ -80,7 +80,7 @@ TrianglePoint FromLongestSide(const Vec3& p, const Vec3* const (&corner)[3]) {
 }
 
 //            c
-//           / \
+//           / \   · p
 //          a---b
 //
 // The plane falls into seven regions: behind a corner when p projects before it on both of its sides; beyond a side when p
