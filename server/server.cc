@@ -70,6 +70,8 @@ void Server::SetHealth(HealthService::ServingStatus status) {
 }
 
 void Server::DrainAndShutdown() {
+  // Without a lame duck, whoever reads NOT_SERVING must find the door closed already.
+  if (lame_duck_ <= absl::ZeroDuration()) service_->Drain();
   SetHealth(HealthService::Response::NOT_SERVING);
   std::this_thread::sleep_for(absl::ToChronoMilliseconds(lame_duck_));
   service_->Drain();

@@ -1,0 +1,280 @@
+// Jobs over a socket: what a caller gets, and what it does to the server when it misbehaves.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
+
+
+#include "core/mesh/topology.h"
+#include "google/rpc/error_details.pb.h"
+#include "proto/wire/convert.h"
+#include "proto/wire/crc32c.h"
+#include "tests/e2e/server_process.h"
+#include "tests/support/shapes.h"
+
+namespace meshfront {
+namespace {
+
+using testing::Icosphere;
+
+// A sphere as fine as `rho` says. Coarse: some thousand triangles; fine: 10 MB of chunks, more than all buffers between the
+// engine and a reader that stands still.
+constexpr double kCoarse = 0.1, kFine = 0.012;
+std::vector<v1::RemeshRequest> SphereRequest(double rho) {
+  const TriangleMesh sphere = Icosphere(4);
+  v1::Header header = HeaderOf(sphere);
+  header.mutable_options()->set_rho(rho);
+  header.mutable_output()->set_scalar_type(v1::SCALAR_TYPE_FLOAT64);
+  header.mutable_output()->set_normals(true);
+  return RequestOf(sphere, header);
+}
+
+// Reads until the first chunk; false when the call ended before.
+bool ReadFirstChunk(RemeshStream& stream, Outcome& outcome) {
+  while (outcome.chunks == 0) {
+    if (!ReadEvent(stream, outcome)) return false;
+  }
+  return true;
+}
+
+TEST(RemeshOverSocket, ReturnsAClosedSphereInWholeChunks) {
+  ServerProcess server;
+  grpc::ClientContext context;
+  const Outcome outcome = Remesh(*server.NewStub(), context, SphereRequest(kCoarse));
+  ASSERT_TRUE(outcome.status.ok()) << outcome.status.error_message();
+  ASSERT_TRUE(outcome.summary.has_value());
+  EXPECT_FALSE(outcome.damaged);
+  EXPECT_EQ(outcome.chunks, outcome.summary->chunks());
+  EXPECT_EQ(outcome.chunks_crc32c, outcome.summary->chunks_crc32c());
+  const TopologyReport topology = MeasureTopology(outcome.mesh);
+  EXPECT_TRUE(topology.closed && topology.manifold);
+  EXPECT_EQ(topology.genus, 0);
+  EXPECT_EQ(topology.triangles, outcome.summary->output().triangles());
+  EXPECT_GT(outcome.summary->server_peak_rss_bytes(), 1u << 20);
+}
+
+TEST(RemeshOverSocket, TakesAWholeFileToo) {
+  const std::string off = "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n";
+  v1::Header header;
+  header.mutable_file()->set_size_bytes(off.size());
+  header.mutable_file()->set_name("tetrahedron.off");
+  std::vector<v1::RemeshRequest> messages = RequestOf(TriangleMesh(), header);
+  v1::RemeshRequest block = SphereRequest(kCoarse)[1];
+  block.mutable_block()->set_array(v1::ARRAY_FILE);
+  block.mutable_block()->set_data(off);
+  block.mutable_block()->set_crc32c(0);
+  ServerProcess server;
+  for (const bool damaged : {true, false}) {
+    if (!damaged) block.mutable_block()->set_crc32c(Crc32c(off));
+    grpc::ClientContext context;
+    v1::RemeshRequest end;
+    end.mutable_end();
+    const Outcome outcome = Remesh(*server.NewStub(), context, {messages[0], block, end});
+    if (damaged) {
+      EXPECT_EQ(outcome.status.error_code(), grpc::StatusCode::DATA_LOSS);
+    } else {
+      ASSERT_TRUE(outcome.status.ok()) << outcome.status.error_message();
+      EXPECT_EQ(outcome.summary->input().topology().triangles(), 4u);
+    }
+  }
+}
+
+TEST(RemeshOverSocket, StopsTheWorkWhenTheCallerCancelsInTheMiddle) {
+  ServerProcess server({"--workers", "1"});
+  const auto stub = server.NewStub();
+  grpc::ClientContext context;
+  const auto stream = stub->Remesh(&context);
+  Send(*stream, SphereRequest(kFine));
+  Outcome outcome;
+  ASSERT_TRUE(ReadFirstChunk(*stream, outcome));
+  context.TryCancel();
+  ReadToEnd(*stream, outcome);
+  EXPECT_EQ(outcome.status.error_code(), grpc::StatusCode::CANCELLED);
+  EXPECT_FALSE(outcome.summary.has_value());
+  EXPECT_TRUE(server.ReadLineWith("\"code\":\"CANCELLED\""));
+  // The one worker is free again.
+  grpc::ClientContext next;
+  EXPECT_TRUE(Remesh(*stub, next, SphereRequest(kCoarse)).status.ok());
+}
+
+TEST(RemeshOverSocket, StopsTheWorkAtTheDeadline) {
+  ServerProcess server({"--workers", "1"});
+  const auto stub = server.NewStub();
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + std::chrono::milliseconds(150));
+  const Outcome outcome = Remesh(*stub, context, SphereRequest(0.002));
+  EXPECT_EQ(outcome.status.error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
+  EXPECT_FALSE(outcome.summary.has_value());
+  EXPECT_TRUE(server.ReadLineWith("DEADLINE_EXCEEDED"));
+  grpc::ClientContext next;
+  EXPECT_TRUE(Remesh(*stub, next, SphereRequest(kCoarse)).status.ok());
+}
+
+TEST(RemeshOverSocket, RefusesAMessageThatIsTooLargeAndGoesOn) {
+  ServerProcess server;
+  const auto stub = server.NewStub();
+  for (const size_t bytes : {size_t{2} << 20, size_t{kMaxBlockBytes} + 1}) {
+    std::vector<v1::RemeshRequest> messages = SphereRequest(kCoarse);
+    messages[1].mutable_block()->set_data(std::string(bytes, 'x'));
+    grpc::ClientContext context;
+    const Outcome outcome = Remesh(*stub, context, messages);
+    // Beyond what a message may have gRPC itself refuses; a block that is only a little too long gets an answer of ours.
+    const bool ours = bytes == kMaxBlockBytes + 1;
+    EXPECT_EQ(outcome.status.error_code(), ours ? grpc::StatusCode::INVALID_ARGUMENT : grpc::StatusCode::RESOURCE_EXHAUSTED);
+    EXPECT_EQ(outcome.status.error_message().find("block.data") == 0, ours);
+  }
+  grpc::ClientContext next;
+  EXPECT_TRUE(Remesh(*stub, next, SphereRequest(kCoarse)).status.ok());
+}
+
+TEST(RemeshOverSocket, NamesThePathOfABadOptionInTheDetails) {
+  ServerProcess server;
+  std::vector<v1::RemeshRequest> messages = SphereRequest(kCoarse);
+  messages[0].mutable_header()->mutable_options()->set_eta(2.5);
+  grpc::ClientContext context;
+  const Outcome outcome = Remesh(*server.NewStub(), context, messages);
+  EXPECT_EQ(outcome.status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  const auto bad = outcome.DetailOf<google::rpc::BadRequest>();
+  ASSERT_TRUE(bad.has_value());
+  EXPECT_EQ(bad->field_violations(0).field(), "options.eta");
+  EXPECT_FALSE(outcome.reason().empty());
+  EXPECT_LT(outcome.status.error_details().size(), 8192u);
+}
+
+TEST(RemeshOverSocket, RefusesMessagesInTheWrongOrder) {
+  ServerProcess server;
+  const auto stub = server.NewStub();
+  const std::vector<v1::RemeshRequest> good = SphereRequest(kCoarse);
+  const std::vector<std::vector<v1::RemeshRequest>> wrong = {
+      {good[1], good[0]}, {good.back()}, {good[0], good[0]}, {good[0], good.back()}, {v1::RemeshRequest()}, {}};
+  for (const std::vector<v1::RemeshRequest>& messages : wrong) {
+    grpc::ClientContext context;
+    const Outcome outcome = Remesh(*stub, context, messages);
+    EXPECT_EQ(outcome.status.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << outcome.status.error_message();
+  }
+}
+
+TEST(RemeshOverSocket, TellsDamagedBlocksAndUploadsFromBadOnes) {
+  ServerProcess server;
+  const auto stub = server.NewStub();
+  for (const bool block : {true, false}) {
+    std::vector<v1::RemeshRequest> messages = SphereRequest(kCoarse);
+    if (block) {
+      messages[1].mutable_block()->mutable_data()->at(100) ^= 1;
+    } else {
+      messages.back().mutable_end()->mutable_sha256()->at(0) ^= 1;
+    }
+    grpc::ClientContext context;
+    const Outcome outcome = Remesh(*stub, context, messages);
+    EXPECT_EQ(outcome.status.error_code(), grpc::StatusCode::DATA_LOSS);
+    EXPECT_EQ(outcome.reason(), "CHECKSUM_MISMATCH");
+  }
+}
+
+TEST(RemeshOverSocket, FreesTheWorkerOfACallerThatVanished) {
+  ServerProcess server({"--workers", "1"});
+  // A caller in a process of its own, killed in the middle: this test's executable again, so that no gRPC state is forked.
+  char self[4096] = {};
+  ASSERT_GT(readlink("/proc/self/exe", self, sizeof self - 1), 0);
+  ChildProcess caller({self, "--gtest_also_run_disabled_tests", "--gtest_filter=*DISABLED_CallsUntilItIsKilled"},
+                      {"MESHFRONT_E2E_ADDRESS=" + server.address()});
+  ASSERT_TRUE(caller.ReadLineWith("reading")) << "the caller did not get as far as a chunk";
+  caller.Send(SIGKILL);
+  EXPECT_EQ(caller.Wait(), 128 + SIGKILL);
+  EXPECT_TRUE(server.ReadLineWith("\"code\":\"CANCELLED\""));
+  grpc::ClientContext context;
+  EXPECT_TRUE(Remesh(*server.NewStub(), context, SphereRequest(kCoarse)).status.ok());
+}
+
+// Not a test: the caller of the test above.
+TEST(RemeshOverSocket, DISABLED_CallsUntilItIsKilled) {
+  const char* address = std::getenv("MESHFRONT_E2E_ADDRESS");
+  if (address == nullptr) GTEST_SKIP() << "only useful to another test";
+  const auto stub = v1::MeshfrontService::NewStub(grpc::CreateChannel(address, grpc::InsecureChannelCredentials()));
+  grpc::ClientContext context;
+  const auto stream = stub->Remesh(&context);
+  Send(*stream, SphereRequest(kFine));
+  Outcome outcome;
+  if (ReadFirstChunk(*stream, outcome)) std::fputs("reading\n", stderr);
+  pause();
+}
+
+TEST(RemeshOverSocket, HoldsLittleForAReaderThatStandsStill) {
+  const std::vector<v1::RemeshRequest> request = SphereRequest(kFine);
+  uint64_t fast = 0, slow = 0;
+  {
+    ServerProcess server;
+    grpc::ClientContext context;
+    const Outcome outcome = Remesh(*server.NewStub(), context, request);
+    ASSERT_TRUE(outcome.status.ok()) << outcome.status.error_message();
+    fast = server.PeakRssBytes();
+  }
+  {
+    ServerProcess server({"--stall-timeout", "2"});
+    grpc::ClientContext context;
+    const auto stub = server.NewStub();
+    const auto stream = stub->Remesh(&context);
+    Send(*stream, request);
+    Outcome outcome;
+    ASSERT_TRUE(ReadFirstChunk(*stream, outcome));
+    // The server's own clock says when it stood still for long enough to be as full as it gets.
+    ASSERT_TRUE(server.ReadLineWith("\"code\":\"ABORTED\""));
+    slow = server.PeakRssBytes();
+    ReadToEnd(*stream, outcome);
+    EXPECT_EQ(outcome.status.error_code(), grpc::StatusCode::ABORTED);
+    EXPECT_EQ(outcome.reason(), "READER_STALLED");
+  }
+  RecordProperty("fast_mib", static_cast<int>(fast >> 20));
+  RecordProperty("slow_mib", static_cast<int>(slow >> 20));
+  EXPECT_LE(slow, fast + (16u << 20)) << "fast " << fast << ", slow " << slow;
+}
+
+TEST(RemeshOverSocket, RefusesWithARetryTimeWhenAllWorkersAndTheQueueAreTaken) {
+  ServerProcess server({"--workers", "1", "--max-queue", "0"});
+  const auto stub = server.NewStub();
+  grpc::ClientContext context;
+  const auto stream = stub->Remesh(&context);
+  Send(*stream, SphereRequest(kFine));
+  Outcome first;
+  ASSERT_TRUE(ReadFirstChunk(*stream, first));
+  grpc::ClientContext refused_context;
+  const Outcome refused = Remesh(*stub, refused_context, SphereRequest(kCoarse));
+  EXPECT_EQ(refused.status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_EQ(refused.reason(), "QUEUE_FULL");
+  EXPECT_TRUE(refused.DetailOf<google::rpc::RetryInfo>().has_value());
+  ReadToEnd(*stream, first);
+  EXPECT_TRUE(first.status.ok() && first.summary && !first.damaged);
+}
+
+TEST(RemeshOverSocket, GivesTheSameChunksAtAnyThreadCount) {
+  uint32_t expected = 0;
+  for (const char* threads : {"1", "3"}) {
+    ServerProcess server({"--threads", threads});
+    grpc::ClientContext context;
+    const Outcome outcome = Remesh(*server.NewStub(), context, SphereRequest(kCoarse));
+    ASSERT_TRUE(outcome.status.ok()) << outcome.status.error_message();
+    if (expected == 0) expected = outcome.chunks_crc32c;
+    EXPECT_EQ(outcome.chunks_crc32c, expected);
+  }
+}
+
+TEST(EstimateOverSocket, PredictsWithoutMeshing) {
+  ServerProcess server;
+  grpc::ClientContext context;
+  v1::EstimateResponse response;
+  const auto stub = server.NewStub();
+  const auto writer = stub->Estimate(&context, &response);
+  for (const v1::RemeshRequest& message : SphereRequest(kFine)) {
+    v1::EstimateRequest request;
+    ASSERT_TRUE(request.ParseFromString(message.SerializeAsString()));
+    ASSERT_TRUE(writer->Write(request));
+  }
+  writer->WritesDone();
+  const grpc::Status status = writer->Finish();
+  ASSERT_TRUE(status.ok()) << status.error_message();
+  EXPECT_GT(response.predicted_triangles(), 50'000u);
+  EXPECT_GT(response.edge_length().max(), 0);
+  EXPECT_EQ(response.input().topology().triangles(), 5120u);
+}
+
+}  // namespace
+}  // namespace meshfront
