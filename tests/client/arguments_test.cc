@@ -1,0 +1,101 @@
+// Flags and what they mean: every mistake one sentence with the flag, the value and the rule.
+#include "client/cli/arguments.h"
+
+#include <cmath>
+
+#include "tests/support/matchers.h"
+
+namespace meshfront {
+namespace {
+
+using testing::IsOk;
+using testing::StatusIs;
+
+constexpr auto kInvalid = absl::StatusCode::kInvalidArgument;
+
+absl::Status Parse(const MeshingFlags& flags) { return ParseMeshingFlags(flags).status(); }
+
+TEST(MeshingFlags, SendOnlyTheSizingWhenNoneIsGiven) {
+  const absl::StatusOr<v1::RemeshOptions> options = ParseMeshingFlags({});
+  ASSERT_THAT(options, IsOk());
+  EXPECT_FALSE(options->has_rho() || options->has_eta() || options->has_flips() || options->has_crease() ||
+               options->has_attributes() || options->has_threads());
+  EXPECT_EQ(options->sizing(), v1::SIZING_ANGLE);
+}
+
+TEST(MeshingFlags, CarryEveryValueThatIsBuilt) {
+  MeshingFlags flags;
+  flags.eta = "1.5", flags.edge_length = "0.25", flags.min_edge = "1%", flags.max_edge = "7", flags.flips = "off";
+  flags.smooth = "on", flags.fit = "off", flags.repair = "off", flags.threads = "3", flags.crease_angle = "off";
+  flags.attributes = "drop", flags.surface = "mesh";
+  const absl::StatusOr<v1::RemeshOptions> options = ParseMeshingFlags(flags);
+  ASSERT_THAT(options, IsOk());
+  EXPECT_EQ(options->eta(), 1.5);
+  EXPECT_EQ(options->sizing(), v1::SIZING_UNIFORM);
+  EXPECT_EQ(options->edge_length().absolute(), 0.25);
+  EXPECT_EQ(options->min_edge().diagonal_fraction(), 0.01);
+  EXPECT_EQ(options->max_edge().absolute(), 7);
+  EXPECT_TRUE(options->has_flips() && !options->flips() && options->smooth() && !options->fit() && !options->repair());
+  EXPECT_EQ(options->threads(), 3u);
+  EXPECT_TRUE(options->crease().off());
+  EXPECT_EQ(options->attributes(), v1::ATTRIBUTE_POLICY_DROP);
+  EXPECT_EQ(options->surface(), v1::SURFACE_TYPE_MESH);
+}
+
+TEST(MeshingFlags, NameTheFlagTheValueAndTheRule) {
+  EXPECT_THAT(Parse({.rho = "3"}), StatusIs(kInvalid, "--rho is 3; it must be a number in (0, 2π/3]"));
+  for (const char* wrong : {"0", "-1", "nan", "inf", "1x", "", "2.0944"}) {
+    EXPECT_THAT(Parse({.rho = wrong}), StatusIs(kInvalid, "--rho")) << wrong;
+  }
+  for (const char* wrong : {"1", "2", "x"}) EXPECT_THAT(Parse({.eta = wrong}), StatusIs(kInvalid, "--eta is ")) << wrong;
+  for (const char* wrong : {"0", "-2%", "%", "1%%", "inf"}) {
+    EXPECT_THAT(Parse({.edge_length = wrong}), StatusIs(kInvalid, "--edge-length is ")) << wrong;
+  }
+  EXPECT_THAT(Parse({.flips = "yes"}), StatusIs(kInvalid, "--flips is yes; it must be on or off"));
+  EXPECT_THAT(Parse({.threads = "-1"}), StatusIs(kInvalid, "--threads is -1"));
+  EXPECT_THAT(Parse({.sizing = "round"}), StatusIs(kInvalid, "--sizing is round"));
+  EXPECT_THAT(Parse({.attributes = "some"}), StatusIs(kInvalid, "--attributes is some"));
+  EXPECT_THAT(Parse({.target_triangles = "3"}), StatusIs(kInvalid, "--target-triangles is 3"));
+}
+
+TEST(MeshingFlags, RefuseContradictions) {
+  EXPECT_THAT(Parse({.rho = "0.5", .edge_length = "1"}), StatusIs(kInvalid, "--rho and --edge-length contradict"));
+  EXPECT_THAT(Parse({.rho = "0.5", .max_error = "1%"}), StatusIs(kInvalid, "contradict"));
+  EXPECT_THAT(Parse({.max_error = "1", .target_triangles = "500"}), StatusIs(kInvalid, "contradict"));
+  EXPECT_THAT(Parse({.rho = "0.5", .sizing = "uniform"}), StatusIs(kInvalid, "--rho and --sizing uniform"));
+  EXPECT_THAT(Parse({.sizing = "angle", .edge_length = "1"}), StatusIs(kInvalid, "--edge-length and --sizing angle"));
+  EXPECT_THAT(Parse({.sizing = "uniform"}), StatusIs(kInvalid, "--edge-length"));
+  EXPECT_THAT(Parse({.min_edge = "2%", .max_edge = "1%"}), StatusIs(kInvalid, "--min-edge is larger"));
+}
+
+TEST(MeshingFlags, SayNotYetInsteadOfIgnoring) {
+  const std::vector<MeshingFlags> not_built = {
+      {.max_error = "1%"},      {.sizing = "error"},      {.target_triangles = "1000"}, {.crease_angle = "40"},
+      {.features = "f.obj"},    {.region = "faces:a.txt"}, {.blend = "8"},               {.surface = "mls"},
+      {.surface = "imls"},      {.mls_radius = "4"},       {.seed_points = {"0,0,0"}}};
+  for (const MeshingFlags& flags : not_built) EXPECT_THAT(Parse(flags), StatusIs(kInvalid, "not yet"));
+}
+
+TEST(CallFlags, ATimeoutIsPositiveSeconds) {
+  EXPECT_TRUE(std::isinf(*ParseTimeout(std::nullopt)));
+  EXPECT_EQ(*ParseTimeout("1.5"), 1.5);
+  EXPECT_THAT(ParseTimeout("0"), StatusIs(kInvalid, "--timeout is 0"));
+}
+
+TEST(CallFlags, AServerHasAHostAndAPort) {
+  EXPECT_THAT(CheckServerAddress("localhost:50051"), IsOk());
+  EXPECT_THAT(CheckServerAddress("[::1]:1"), IsOk());
+  for (const char* wrong : {"localhost", ":50051", "host:0", "host:65536", "host:x", ""}) {
+    EXPECT_THAT(CheckServerAddress(wrong), StatusIs(kInvalid, "--server")) << wrong;
+  }
+}
+
+TEST(CallFlags, AFormatComesFromTheFlagThenFromTheEnding) {
+  EXPECT_EQ(*FormatFor("a.ply", "obj", "--in-format"), Format::kObj);
+  EXPECT_EQ(*FormatFor("a.PLY.gz", std::nullopt, "--in-format"), Format::kPly);
+  EXPECT_THAT(FormatFor("-", std::nullopt, "--in-format"), StatusIs(kInvalid, "--in-format"));
+  EXPECT_THAT(FormatFor("a.ply", "doc", "--in-format"), StatusIs(kInvalid, "--in-format is doc"));
+}
+
+}  // namespace
+}  // namespace meshfront

@@ -1,0 +1,163 @@
+// The program from a file to a file, the service inside the process.
+#include <signal.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <png.h>
+#include <sstream>
+#include <thread>
+
+#include "core/io/mesh_io.h"
+#include "gmock/gmock.h"
+#include "tests/client/program.h"
+#include "tests/support/matchers.h"
+#include "tests/support/shapes.h"
+
+namespace meshfront::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+
+class Remesh : public ProgramTest {
+ protected:
+  Remesh() { EXPECT_THAT(WriteMeshFile(PathOf("in.ply"), Torus(1, 0.4, 80, 40)), IsOk()); }
+
+  TriangleMesh Read(const std::string& name) const {
+    absl::StatusOr<ReadResult> read = ReadMeshFile(PathOf(name));
+    EXPECT_THAT(read, IsOk());
+    return read.ok() ? std::move(read->mesh) : TriangleMesh();
+  }
+};
+
+TEST_F(Remesh, KeepsTheTopologyInEveryFormat) {
+  for (const char* out : {"out.ply", "out.off", "out.obj", "out.stl", "out.glb", "out.gltf"}) {
+    const Outcome outcome = Run({"remesh", "in.ply", out});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(outcome.out + outcome.err, "") << "not silent without a terminal";
+    const TriangleMesh mesh = Read(out);
+    EXPECT_THAT(mesh, IsClosedManifold()) << out;
+    EXPECT_THAT(mesh, HasGenus(1)) << out;
+  }
+}
+
+TEST_F(Remesh, TellsInStatsWhatIsInTheOutput) {
+  const Outcome outcome = Run({"remesh", "in.ply", "out.ply", "--rho", "0.6", "--stats", "stats.json", "--trace", "trace.jsonl"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json stats = Json::parse(Contents("stats.json"));
+  const TriangleMesh mesh = Read("out.ply");
+  EXPECT_EQ(stats["output"]["triangles"], mesh.triangles.size());
+  EXPECT_EQ(stats["output"]["vertices"], mesh.positions.size());
+  EXPECT_EQ(stats["input"]["triangles"], 80 * 40 * 2);
+  EXPECT_EQ(stats["parameters"]["rho"], 0.6);
+  EXPECT_GE(stats["seconds"]["total"], stats["seconds"]["engine"]);
+  EXPECT_GT(stats["seconds"]["engine"], 0);
+  const Json& kinds = stats["triangles_by_kind"];
+  EXPECT_EQ(kinds["free"].get<int>() + kinds["connection"].get<int>() + kinds["closing"].get<int>(), mesh.triangles.size());
+
+  std::istringstream lines(Contents("trace.jsonl"));
+  std::string text;
+  Json last;
+  uint64_t count = 0;
+  for (; std::getline(lines, text); ++count) {
+    const Json line = Json::parse(text);
+    EXPECT_EQ(line["sequence"], count);
+    EXPECT_TRUE(last.is_null() || line["triangles"] >= last["triangles"]);
+    last = line;
+  }
+  EXPECT_EQ(count, stats["chunks"]);
+  EXPECT_EQ(last["triangles"], mesh.triangles.size());
+  EXPECT_EQ(last["vertices"], mesh.positions.size());
+  EXPECT_EQ(last["open_front_edges"], 0);
+}
+
+TEST_F(Remesh, WorksInAPipeAndGivesTheSameBytes) {
+  ASSERT_EQ(Run({"remesh", "in.ply", "out.off"}).exit_code, 0);
+  const Outcome outcome = Run({"remesh", "-", "-", "--in-format", "ply", "--out-format", "off", "--threads", "1"}, Contents("in.ply"));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_TRUE(outcome.out == Contents("out.off"));
+}
+
+TEST_F(Remesh, DrawsThePicture) {
+  ASSERT_EQ(Run({"remesh", "in.ply", "out.ply", "--picture", "p.png"}).exit_code, 0);
+  const std::string bytes = Contents("p.png");
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  ASSERT_TRUE(png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()));
+  EXPECT_EQ(image.width, 1600u);
+  png_image_free(&image);
+}
+
+TEST_F(Remesh, WritesTheRepairedInput) {
+  TriangleMesh mesh = Read("in.ply");
+  mesh.triangles.push_back({VertexId(0), VertexId(0), VertexId(1)});
+  mesh.triangles.push_back(mesh.triangles.front());
+  ASSERT_THAT(WriteMeshFile(PathOf("dirty.off"), mesh), IsOk());
+  const Outcome outcome = Run({"remesh", "dirty.off", "out.ply", "--write-repaired", "repaired.off", "--stats", "stats.json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(Read("repaired.off"), IsClosedManifold());
+  EXPECT_FALSE(Json::parse(Contents("stats.json"))["input"]["repairs"].empty());
+  EXPECT_EQ(Run({"remesh", "dirty.off", "no.ply", "--repair", "off"}).exit_code, 3);
+  EXPECT_FALSE(Exists("no.ply"));
+}
+
+TEST_F(Remesh, MeasuresAgainstTheInput) {
+  ASSERT_EQ(Run({"remesh", "in.ply", "out.ply"}).exit_code, 0);
+  const Outcome outcome = Run({"measure", "out.ply", "--ref", "in.ply", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json json = Json::parse(outcome.out);
+  EXPECT_EQ(json["counts"]["genus"], 1);
+  EXPECT_EQ(json["self_intersections"], 0);
+  EXPECT_GT(json["quality"]["radius_ratio_median"], 0.9);
+  for (const char* way : {"forward", "backward"}) {
+    for (const char* key : {"max", "mean", "rms", "max_percent", "mean_percent", "rms_percent"}) {
+      EXPECT_TRUE(json["distance"][way][key].is_number()) << way << " " << key;
+    }
+    EXPECT_LT(json["distance"][way]["max_percent"], 3);
+  }
+  EXPECT_TRUE(Json::parse(Run({"measure", "out.ply", "--json"}).out)["distance"].is_null());
+}
+
+TEST_F(Remesh, EstimatesAboutWhatComesOut) {
+  const Outcome outcome = Run({"estimate", "in.ply", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  ASSERT_EQ(Run({"remesh", "in.ply", "out.ply"}).exit_code, 0);
+  const double predicted = Json::parse(outcome.out)["predicted_triangles"];
+  EXPECT_NEAR(predicted / Read("out.ply").triangles.size(), 1, 0.25);
+}
+
+// A job of minutes. The repaired input is written just before the call begins: from then on the program must end in order.
+TEST_F(Remesh, ExitsWithSixWhenInterruptedAndLeavesNothing) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const auto interrupt = [&](int pid) {
+      while (!Exists("repaired.ply") && kill(pid, 0) == 0) std::this_thread::yield();
+      kill(pid, signal);
+    };
+    const Outcome outcome = RunWith({"remesh", "in.ply", "out.ply", "--rho", "0.003", "--write-repaired", "repaired.ply"}, interrupt);
+    EXPECT_EQ(outcome.exit_code, 6) << outcome.err;
+    EXPECT_THAT(Files(), ElementsAre("in.ply", "repaired.ply"));
+    std::filesystem::remove(PathOf("repaired.ply"));
+  }
+}
+
+TEST_F(Remesh, ExitsWithSixPastTheDeadlineAndLeavesNothing) {
+  const Outcome outcome = Run({"remesh", "in.ply", "out.ply", "--rho", "0.003", "--timeout", "0.3"});
+  EXPECT_EQ(outcome.exit_code, 6) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("--timeout 0.3"));
+  EXPECT_THAT(Files(), ElementsAre("in.ply"));
+}
+
+TEST_F(Remesh, WarnsOfAttributesThatAreNotCarriedYet) {
+  std::ofstream file(PathOf("textured.obj"));
+  file << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\n"
+       << "f 1/1 3/3 2/2\nf 1/1 2/2 4/3\nf 2/1 3/2 4/3\nf 3/1 1/2 4/3\n";
+  file.close();
+  const Outcome warned = Run({"remesh", "textured.obj", "out.ply"});
+  EXPECT_THAT(warned.err, HasSubstr("attributes are not carried over yet"));
+  EXPECT_THAT(Run({"remesh", "textured.obj", "out.ply", "--attributes", "drop"}).err, ::testing::Not(HasSubstr("attributes")));
+}
+
+}  // namespace
+}  // namespace meshfront::testing

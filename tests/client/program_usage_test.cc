@@ -1,0 +1,135 @@
+// The command line as scripts see it: exit codes, and nothing left behind by a failure.
+#include <signal.h>
+#include <sys/stat.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "core/io/mesh_io.h"
+#include "gmock/gmock.h"
+#include "tests/client/program.h"
+#include "tests/support/matchers.h"
+#include "tests/support/shapes.h"
+
+namespace meshfront::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::StartsWith;
+
+class Program : public ProgramTest {
+ protected:
+  void WriteSphere(const std::string& name, int subdivisions = 3) const {
+    ASSERT_THAT(WriteMeshFile(PathOf(name), Icosphere(subdivisions)), IsOk());
+  }
+};
+
+TEST_F(Program, PrintsItsVersion) {
+  const Outcome outcome = Run({"version"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.out, StartsWith("meshfront "));
+}
+
+TEST_F(Program, ExplainsItselfWhenAsked) {
+  EXPECT_EQ(Run({"--help"}).exit_code, 0);
+  const Outcome outcome = Run({"remesh", "--help"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  for (const char* flag : {"--server", "--rho", "--eta", "--max-error", "--sizing", "--target-triangles", "--edge-length", "--min-edge",
+                           "--max-edge", "--crease-angle", "--features", "--attributes", "--region", "--blend", "--surface",
+                           "--mls-radius", "--seed-point", "--flips", "--smooth", "--fit", "--threads", "--repair", "--stats",
+                           "--trace", "--picture", "--write-repaired", "--timeout", "--quiet", "--in-format", "--out-format"}) {
+    EXPECT_THAT(outcome.out, HasSubstr(flag));
+  }
+}
+
+TEST_F(Program, ExitsWithTwoForMistakesInTheCommandLine) {
+  WriteSphere("in.ply");
+  const std::vector<std::vector<std::string>> mistakes = {
+      {}, {"remsh"}, {"remesh"}, {"remesh", "in.ply"}, {"remesh", "in.ply", "out.ply", "more.ply"},
+      {"remesh", "in.ply", "out.ply", "--bogus"}, {"remesh", "in.ply", "out.ply", "--rho"},
+      {"remesh", "in.ply", "out.ply", "--rho", "9"}, {"remesh", "in.ply", "out.ply", "--rho", "-1"},
+      {"remesh", "in.ply", "out.ply", "--rho", "1", "--edge-length", "1"}, {"remesh", "in.ply", "out.doc"},
+      {"remesh", "in.ply", "out.xyz"}, {"remesh", "-", "out.ply"}, {"remesh", "in.ply", "-"},
+      {"remesh", "in.ply", "out.ply", "--server", "nowhere"}, {"remesh", "in.ply", "out.ply", "--timeout", "0"},
+      {"estimate"}, {"measure"}, {"info"}};
+  for (const std::vector<std::string>& arguments : mistakes) {
+    const Outcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.exit_code, 2) << ::testing::PrintToString(arguments);
+    EXPECT_THAT(outcome.err, StartsWith("meshfront: ")) << ::testing::PrintToString(arguments);
+  }
+  EXPECT_THAT(Files(), ElementsAre("in.ply"));
+}
+
+TEST_F(Program, SaysNotYetToWhatIsNotBuilt) {
+  WriteSphere("in.ply");
+  const std::vector<std::vector<std::string>> not_built = {
+      {"union", "in.ply", "in.ply", "out.ply"}, {"intersection", "in.ply", "in.ply", "out.ply"},
+      {"difference", "in.ply", "in.ply", "out.ply"}, {"cut", "in.ply", "in.ply", "out.ply"},
+      {"remesh", "in.ply", "out.ply", "--max-error", "1%"}, {"remesh", "in.ply", "out.ply", "--target-triangles", "500"},
+      {"remesh", "in.ply", "out.ply", "--region", "sphere:0,0,0,1"}, {"estimate", "in.ply", "--sizing", "error"}};
+  for (const std::vector<std::string>& arguments : not_built) {
+    const Outcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.exit_code, 2) << ::testing::PrintToString(arguments);
+    EXPECT_THAT(outcome.err, HasSubstr("not yet")) << ::testing::PrintToString(arguments);
+  }
+  EXPECT_THAT(Files(), ElementsAre("in.ply"));
+}
+
+TEST_F(Program, ExitsWithThreeForAnInputThatCannotBeRead) {
+  std::ofstream(PathOf("bad.off")) << "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n";
+  for (const char* input : {"missing.ply", "bad.off"}) {
+    const Outcome outcome = Run({"remesh", input, "out.ply"});
+    EXPECT_EQ(outcome.exit_code, 3) << input;
+    EXPECT_THAT(outcome.err, HasSubstr(input));
+  }
+  EXPECT_EQ(Run({"info", "missing.ply"}).exit_code, 3);
+  EXPECT_EQ(Run({"estimate", "missing.ply"}).exit_code, 3);
+  EXPECT_EQ(Run({"measure", "missing.ply"}).exit_code, 3);
+  EXPECT_THAT(Files(), ElementsAre("bad.off"));
+}
+
+TEST_F(Program, ExitsWithFiveWhenNobodyListens) {
+  WriteSphere("in.ply");
+  const Outcome outcome = Run({"remesh", "in.ply", "out.ply", "--server", "127.0.0.1:1"});
+  EXPECT_EQ(outcome.exit_code, 5);
+  EXPECT_THAT(outcome.err, HasSubstr("127.0.0.1:1"));
+  EXPECT_THAT(Files(), ElementsAre("in.ply"));
+}
+
+TEST_F(Program, ExitsWithSevenBeforeTheWorkWhenOutCannotBeWritten) {
+  WriteSphere("in.ply");
+  EXPECT_EQ(Run({"remesh", "in.ply", "no/folder/out.ply"}).exit_code, 7);
+  EXPECT_EQ(Run({"remesh", "in.ply", "out.ply", "--stats", "no/folder/stats.json"}).exit_code, 7);
+  EXPECT_EQ(Run({"remesh", "in.ply", "out.ply", "--picture", "no/folder/p.png"}).exit_code, 7);
+  // Were the input read first, this would be 3.
+  EXPECT_EQ(Run({"remesh", "missing.ply", "no/folder/out.ply"}).exit_code, 7);
+  EXPECT_THAT(Files(), ElementsAre("in.ply"));
+}
+
+TEST_F(Program, DescribesWhatIsInAFileAndWhatIsWrongWithIt) {
+  WriteSphere("in.ply", 2);
+  const Outcome whole = Run({"info", "in.ply"});
+  EXPECT_EQ(whole.exit_code, 0);
+  EXPECT_THAT(whole.out, HasSubstr("320 triangles"));
+  EXPECT_THAT(whole.out, HasSubstr("genus 0"));
+  EXPECT_THAT(whole.out, HasSubstr("defects     none"));
+  // Three faces on the edge from (0, 0, 0) to (1, 0, 0).
+  std::ofstream(PathOf("book.off")) << "OFF\n5 3 0\n0 0 0\n1 0 0\n0 1 0\n0 -1 0\n0 0 1\n3 0 1 2\n3 1 0 3\n3 0 1 4\n";
+  const Outcome book = Run({"info", "book.off"});
+  EXPECT_EQ(book.exit_code, 0);
+  EXPECT_THAT(book.out, HasSubstr("not manifold"));
+  EXPECT_THAT(book.out, HasSubstr("non_manifold_edge"));
+}
+
+TEST_F(Program, WritesTheSampleInTheFormatOfItsName) {
+  EXPECT_EQ(Run({"sample", "s.obj"}).exit_code, 0);
+  const absl::StatusOr<ReadResult> read = ReadMeshFile(PathOf("s.obj"));
+  ASSERT_THAT(read, IsOk());
+  EXPECT_THAT(read->mesh, IsClosedManifold());
+  EXPECT_EQ(Run({"sample", "s.doc"}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace meshfront::testing
