@@ -77,7 +77,7 @@ WindowTriangleId FrontSet::NewTriangle(WindowVertexId a, WindowVertexId b, Windo
   t.corners = {a, b, c};
   t.kind = kind;
   t.alive = true;
-  for (int i = 0; i < 3; ++i) at(t.corners[i]).half_edge = Link::HalfEdge(id, i);
+  for (int i = 0; i < 3; ++i) at(t.corners[i]).half_edge = Link::HalfEdge(id, i), ++at(t.corners[i]).triangles;
   ++triangle_count_;
   return id;
 }
@@ -205,7 +205,7 @@ std::vector<FrontEdgeId> FrontSet::Remove(absl::Span<const WindowTriangleId> rem
   for (const FrontEdgeId e : gone) DropEdge(e);
   std::vector<WindowVertexId> touched;
   for (const WindowTriangleId t : removed) {
-    for (const WindowVertexId v : at(t).corners) at(v).half_edge = Link::Rim(), touched.push_back(v);
+    for (const WindowVertexId v : at(t).corners) at(v).half_edge = Link::Rim(), --at(v).triangles, touched.push_back(v);
     at(t).alive = false;
     free_triangles_.push_back(t.index());
     --triangle_count_;
@@ -221,7 +221,9 @@ std::vector<FrontEdgeId> FrontSet::Remove(absl::Span<const WindowTriangleId> rem
     WindowVertex& w = at(v);
     if (!w.alive || w.half_edge.is_half_edge()) continue;
     for (FrontEdgeId c = w.first_corner; c.valid(); c = at(c).next_at_vertex) {
-      if (at(c).owner.is_half_edge()) w.half_edge = at(c).owner;
+      const Link owner = at(c).owner, before = at(at(c).prev).owner;
+      if (owner.is_half_edge()) w.half_edge = owner;
+      else if (before.is_half_edge()) w.half_edge = Link::HalfEdge(before.triangle(), Next(before.side()));
     }
     if (!w.first_corner.valid()) {
       w.alive = false;
@@ -255,6 +257,7 @@ void FrontSet::Flip(Link h) {
     at(at(s).corners[k]).half_edge = Link::HalfEdge(s, k);
     at(at(t).corners[k]).half_edge = Link::HalfEdge(t, k);
   }
+  --at(a).triangles, --at(b).triangles, ++at(c).triangles, ++at(d).triangles;
 }
 
 std::vector<VertexId> FrontSet::Settle(absl::Span<const WindowTriangleId> settled) {
@@ -264,7 +267,7 @@ std::vector<VertexId> FrontSet::Settle(absl::Span<const WindowTriangleId> settle
     triangle.alive = false;
     free_triangles_.push_back(t.index());
     --triangle_count_;
-    touched.insert(touched.end(), triangle.corners.begin(), triangle.corners.end());
+    for (const WindowVertexId v : triangle.corners) --at(v).triangles, touched.push_back(v);
   }
   for (const WindowVertexId v : touched) {
     const Link h = at(v).half_edge;
@@ -272,6 +275,7 @@ std::vector<VertexId> FrontSet::Settle(absl::Span<const WindowTriangleId> settle
   }
   for (const WindowTriangleId t : settled) {
     for (const Link across : at(t).across) {
+      if (across.is_front()) edges_[across.front().index()].owner = Link::Settled();
       if (!across.is_half_edge() || !at(across.triangle()).alive) continue;
       WindowTriangle& neighbour = at(across.triangle());
       neighbour.across[across.side()] = Link::Settled();
@@ -283,7 +287,7 @@ std::vector<VertexId> FrontSet::Settle(absl::Span<const WindowTriangleId> settle
   std::vector<VertexId> finalised;
   for (const WindowVertexId v : touched) {
     WindowVertex& w = at(v);
-    if (!w.alive || w.half_edge.is_half_edge() || w.first_corner.valid()) continue;
+    if (!w.alive || w.triangles > 0 || w.first_corner.valid()) continue;  // not by half_edge: it knows one run of several
     w.alive = false;
     finalised.push_back(w.emitted);
     free_vertices_.push_back(v.index());
@@ -315,6 +319,10 @@ bool FrontSet::AnyNeighbour(WindowVertexId v, const Visitor& visit) const {
 }
 
 bool FrontSet::EdgeExists(WindowVertexId u, WindowVertexId v) const {
+  if (at(u).frozen()) {  // some of its triangles may be gone
+    if (at(v).frozen()) return true;
+    std::swap(u, v);
+  }
   return AnyNeighbour(u, [v](WindowVertexId w) { return w == v; });
 }
 

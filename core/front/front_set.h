@@ -50,6 +50,7 @@ struct WindowVertex {
   FrontEdgeId first_corner;   // a front edge that starts here; the others follow by next_at_vertex
   Link half_edge = Link::Rim();  // an outgoing half-edge of some triangle
   VertexId emitted;           // its id in the output, once it was sent: from then on it may not move
+  uint32_t triangles = 0; // unsettled ones that use it
   uint32_t origin = 0;    // which loop or seed its front came from (counts the components)
   uint32_t depth = 0;         // scratch of the settling window: rings between it and the nearest front
   bool on_rim = false;        // lies on an initial front: keeps its place
@@ -126,7 +127,8 @@ class FrontSet {
   size_t front_edge_count() const { return front_edge_count_; }
   size_t triangle_count() const { return triangle_count_; }
 
-  // Whether some triangle side or front edge already joins u and v. O(triangles around u).
+  // Whether some triangle side or front edge already joins u and v; true as well when nobody can tell, because both have
+  // triangles that are settled and gone. O(triangles around one of them).
   bool EdgeExists(WindowVertexId u, WindowVertexId v) const;
   // Number of front edges in the loop of `edge`, at most `limit`.
   size_t LoopLength(FrontEdgeId edge, size_t limit) const;
