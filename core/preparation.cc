@@ -76,7 +76,8 @@ double Resolve(const std::optional<Length>& length, double diagonal, double scal
 
 // The ideal length at a curvature before thickness and clamps.
 double IdealLengthFor(const RemeshOptions& options, double edge_length, double max_curvature) {
-  return options.sizing == Sizing::kUniform ? edge_length : IdealLength(options.rho, max_curvature);
+  // Uniform means g ≡ L, and g is l/η at a sample (eq. 5).
+  return options.sizing == Sizing::kUniform ? edge_length * options.eta : IdealLength(options.rho, max_curvature);
 }
 
 absl::Status SetClamps(const RemeshOptions& options, const std::vector<double>& component_diagonals, Preparation& p) {

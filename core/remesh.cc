@@ -104,7 +104,8 @@ absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& co
   const double prepared = SecondsSince(start);
   OutgoingSink outgoing(sink, p.scale, start);
   const RemeshOptions& o = p.parameters.options;
-  const FrontOptions options{o.flips, o.smooth, o.fit, static_cast<uint64_t>(std::min(p.predicted_triangles, 1e18))};
+  const double error_per_length = o.sizing == Sizing::kAngle ? ErrorPerLength(o.rho) : 1;
+  const FrontOptions options{o.flips, o.smooth, o.fit, error_per_length, static_cast<uint64_t>(std::min(p.predicted_triangles, 1e18))};
   MESHFRONT_ASSIGN_OR_RETURN(const FrontReport front,
                              AdvanceFront(*p.surface, *p.field, p.loops, p.seeds, options, outgoing, context));
   Report report;

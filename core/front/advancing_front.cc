@@ -58,7 +58,7 @@ class AdvancingFront {
                  const Context& context)
       : surface_(surface), field_(field), options_(options), context_(context), fences_(fronts_),
         proposer_(surface, fronts_, fences_),
-        window_(surface, fronts_, {options.flips, options.smooth, options.fit}, sink) {}
+        window_(surface, fronts_, {options.flips, options.smooth, options.fit, options.error_per_length}, sink) {}
 
   absl::StatusOr<FrontReport> Run(const std::vector<OrientedLoop>& loops, const std::vector<SourcePoint>& seeds);
 

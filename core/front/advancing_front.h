@@ -20,6 +20,7 @@ struct FrontOptions {
   bool flips = true;    // edge flips behind the front
   bool smooth = true;   // guarded smoothing and optimisation behind the front
   bool fit = true;      // vertices moved along the normal to fit the surface between them
+  double error_per_length = 1;       // ξ of eq. 6 for the angle in force: the fit keeps each triangle within ξ of its longest edge
   uint64_t predicted_triangles = 0;  // for progress only
 };
 

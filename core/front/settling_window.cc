@@ -28,6 +28,7 @@ constexpr double kSearchBelow = 0.85;          // radius ratio under which a ver
 constexpr double kSearchSteps[] = {0.2, 0.1, 0.05};  // in parts of the mean spoke
 constexpr int kImproveSweeps = 2, kSearchSweeps = 2, kFitSweeps = 2;
 constexpr double kMaxFitPerLength = 0.15;      // the fit moves a vertex by at most this part of its mean spoke
+constexpr double kFitPerErrorBound = 0.9;      // … and at most this part of the error bound of the triangles around it
 constexpr double kFitMayLoseQuality = 0.97;
 
 // Sine of the smallest angle: twice the area over the product of the two longest sides.
@@ -184,6 +185,7 @@ void SettlingWindow::FitVertex(WindowVertexId id) {
   WindowVertex& v = fronts_.at(id);
   const Vec3 n = v.source.normal;
   double numerator = 0, denominator = 0, spoke = 0, total_area = 0;
+  double least_edge2 = std::numeric_limits<double>::infinity();  // of the triangles' longest edges
   const auto sample = [&](const Vec3& place, double weight, double share) {
     const SourcePoint x = surface_.Snap(v.source, place);
     numerator += weight * share * Dot(x.position - place, n);
@@ -192,6 +194,8 @@ void SettlingWindow::FitVertex(WindowVertexId id) {
   for (const Spoke& s : ring_) {
     const double area = 0.5 * Norm(AreaVector(v.position, s.from, s.to));
     total_area += area;
+    least_edge2 = std::min(least_edge2, std::max({SquaredDistance(s.from, s.to), SquaredDistance(v.position, s.from),
+                                                  SquaredDistance(v.position, s.to)}));
     spoke += Distance(v.position, s.from) / static_cast<double>(ring_.size());
     sample((v.position + s.from + s.to) / 3.0, 0.45 * area, 1.0 / 3);
     sample(0.5 * (v.position + s.from), 2 * area * (2.0 / 15), 0.5);
@@ -200,7 +204,8 @@ void SettlingWindow::FitVertex(WindowVertexId id) {
   denominator += 0.05 * total_area;
   if (!(denominator > 0)) return;
   const double offset = Dot(v.position - v.source.position, n) + numerator / denominator;
-  const double limit = kMaxFitPerLength * spoke;
+  const double limit =
+      std::min(kMaxFitPerLength * spoke, kFitPerErrorBound * options_.error_per_length * std::sqrt(least_edge2));
   const Vec3 target = v.source.position + std::clamp(offset, -limit, limit) * n;
   const double before = WorstAround(v.position, n, RadiusRatio), after = WorstAround(target, n, RadiusRatio);
   if (after >= kFitMayLoseQuality * before && after >= 0) v.position = target;

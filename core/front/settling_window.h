@@ -14,6 +14,7 @@ namespace meshfront {
 
 struct SettlingOptions {
   bool flips = true, smooth = true, fit = true;
+  double error_per_length = 1;  // of the longest edge of each triangle: the fit moves no vertex farther than that
 };
 
 // Totals over everything that has left the window.
