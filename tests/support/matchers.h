@@ -1,6 +1,7 @@
 // GoogleMock matchers for statuses and for what a mesh is. A failed one says what it found.
 #pragma once
 
+#include <ostream>
 #include <string>
 
 #include "absl/status/status.h"
@@ -10,6 +11,14 @@
 #include "core/mesh/triangle_mesh.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+
+namespace absl {
+// What GoogleTest prints where it would print the bytes otherwise; found by the type's namespace.
+template <class T>
+void PrintTo(const StatusOr<T>& result, std::ostream* out) {
+  *out << result.status();
+}
+}  // namespace absl
 
 namespace meshfront::testing {
 

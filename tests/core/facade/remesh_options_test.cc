@@ -55,9 +55,10 @@ TEST(RemeshOptions, RefuseLengthsThatAreNone) {
   }
 }
 
-TEST(RemeshOptions, RefuseAClampThatIsEmpty) {
-  const RemeshOptions options = With([](auto& o) { o.min_edge = Length{0.2, false}, o.max_edge = Length{0.1, false}; });
-  EXPECT_THAT(ValidateOptions(options), StatusIs(kInvalid, "options.m"));
+TEST(RemeshOptions, RefuseAClampThatIsEmptyOnceLengthsAreKnown) {
+  CollectingSink sink;
+  const RemeshOptions options = With([](auto& o) { o.min_edge = Length{0.2, false}, o.max_edge = Length{0.01, true}; });
+  EXPECT_THAT(Remesh({Icosphere(2), options}, sink, {}), StatusIs(kInvalid, "options.min_edge is 0.2"));
 }
 
 TEST(RemeshOptions, RefuseAnEdgeLengthWithoutUniformSizing) {
@@ -79,7 +80,7 @@ TEST(RemeshOptions, AreCheckedByTheFacadeItself) {
 
 TEST(RemeshInput, MustHaveATriangle) {
   CollectingSink sink;
-  EXPECT_THAT(Remesh({}, sink, {}), StatusIs(kInvalid, ""));
+  EXPECT_THAT(Remesh({}, sink, {}), StatusIs(absl::StatusCode::kFailedPrecondition, "no triangles"));
 }
 
 TEST(RemeshInput, IsRefusedWithThePlaceWhenItMayNotBeRepaired) {

@@ -1,6 +1,7 @@
 // What must hold for every shape, rho and eta.
 #include <algorithm>
 #include <map>
+#include <set>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -217,6 +218,49 @@ TEST(RemeshRepair, ClosesASoupOfTrianglesFirst) {
   const Outcome out = RemeshOrFail(Soup(Icosphere(4)), WithRhoEta(0.4, 1.2));
   EXPECT_THAT(out.mesh, AllOf(IsClosedManifold(), HasGenus(0), HasComponents(1)));
   EXPECT_FALSE(out.report.input.repairs.empty());
+}
+
+// As grown: the kind of every triangle, and its corners as (base end, base start, apex).
+class KindSink : public CollectingSink {
+ public:
+  absl::Status Append(const MeshPiece& piece) override {
+    kinds.insert(kinds.end(), piece.kinds.begin(), piece.kinds.end());
+    return CollectingSink::Append(piece);
+  }
+  std::vector<TriangleKind> kinds;
+};
+
+// Sec. 3: two edges of a free triangle that grew from a free edge differ by a factor of eta at most.
+void ExpectRatioOfFreeTriangles(const TriangleMesh& mesh, const std::vector<TriangleKind>& kinds, double eta) {
+  ASSERT_EQ(kinds.size(), mesh.triangles.size());
+  std::set<std::pair<VertexId, VertexId>> free_edges;
+  for (size_t f = 0; f < kinds.size(); ++f) {
+    const auto& [end, start, apex] = mesh.triangles[f];
+    if (kinds[f] == TriangleKind::kFree) free_edges.insert({std::minmax(end, apex), std::minmax(start, apex)});
+  }
+  size_t checked = 0;
+  for (size_t f = 0; f < kinds.size(); ++f) {
+    const auto& [end, start, apex] = mesh.triangles[f];
+    if (kinds[f] != TriangleKind::kFree || !free_edges.contains(std::minmax(end, start))) continue;
+    const auto [shortest, longest] = std::minmax({Distance(mesh.PositionAt(end), mesh.PositionAt(start)),
+                                                  Distance(mesh.PositionAt(start), mesh.PositionAt(apex)),
+                                                  Distance(mesh.PositionAt(apex), mesh.PositionAt(end))});
+    EXPECT_LE(longest, eta * shortest * (1 + 1e-6)) << "triangle " << f;
+    ++checked;
+  }
+  EXPECT_GT(checked, kinds.size() / 20);
+}
+
+TEST(RemeshGrading, KeepsTheRatioEtaInEveryFreeTriangleOnAFreeEdge) {
+  for (const double eta : {1.2, 1.5}) {
+    RemeshOptions options = WithRhoEta(0.25, eta);
+    options.flips = options.smooth = options.fit = false;
+    for (const TriangleMesh& input : {Torus(1, 0.4, 120, 48), Ellipsoid(5, {2, 1, 0.5}), GenusThree(64)}) {
+      KindSink sink;
+      ASSERT_THAT(Remesh({input, options}, sink, {}), IsOk());
+      ExpectRatioOfFreeTriangles(sink.mesh, sink.kinds, eta);
+    }
+  }
 }
 
 TEST(RemeshUnits, ScalesExactlyWithTheInput) {
