@@ -45,12 +45,11 @@ absl::StatusOr<std::vector<SizingSample>> BoundarySizingSamples(
     MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
     const ClosedCurve curve = CurveOf(surface, rim);
     const double longest = curve.length() / kMinEdgesPerLoop;
-    const std::vector<double> curvatures = CurveCurvatures(curve);
-    const std::vector<bool> sharp = FindSharpVertices(curve);
+    std::vector<double> smooth = CurveCurvatures(curve);
+    for (double& value : smooth) value = std::min(longest, ideal_length(value));
+    MESHFRONT_ASSIGN_OR_RETURN(const std::vector<double> chords, LongestChords(curve, smooth, ideal_length, context));
     for (size_t i = 0; i < curve.size(); ++i) {
-      const double smooth = std::min(longest, ideal_length(curvatures[i]));
-      const double length = LongestChordAt(curve, sharp, i, smooth, ideal_length);
-      if (length > 0) samples.push_back({curve[i], length});
+      if (chords[i] > 0) samples.push_back({curve[i], chords[i]});
     }
   }
   return samples;
@@ -63,7 +62,8 @@ absl::StatusOr<std::vector<OrientedLoop>> BoundaryLoops(const MeshSurface& surfa
     MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
     const ClosedCurve curve = CurveOf(surface, rim);
     MESHFRONT_ASSIGN_OR_RETURN(const std::vector<CurvePoint> points,
-                               ResampleCurve(curve, [&](const Vec3& x) { return field.At(x); }, context));
+                               ResampleCurve(
+                                   curve, [&](const Vec3& x) { return field.At(x); }, context));
     OrientedLoop loop;
     loop.points.reserve(points.size());
     for (size_t i = points.size(); i-- > 0;) loop.points.push_back(PlaceOnRim(surface, rim, points[i]));

@@ -6,6 +6,7 @@
 
 #include "absl/functional/function_ref.h"
 #include "absl/status/statusor.h"
+#include "absl/types/span.h"
 #include "core/base/context.h"
 #include "core/geometry/vec3.h"
 
@@ -30,14 +31,18 @@ class ClosedCurve {
   size_t size() const { return vertices_.size(); }
   const Vec3& operator[](size_t i) const { return vertices_[i % vertices_.size()]; }
   double length() const { return arcs_.back(); }
-  Vec3 At(const CurvePoint& p) const { return p.t > 0 ? Lerp((*this)[p.segment], (*this)[p.segment + 1], p.t) : (*this)[p.segment]; }
+  Vec3 At(const CurvePoint& p) const {
+    return p.t > 0 ? Lerp((*this)[p.segment], (*this)[p.segment + 1], p.t) : (*this)[p.segment];
+  }
   // Length along the curve from vertex 0, continued when the index runs around.
   double ArcAt(const CurvePoint& p) const;
   // The place at this length along the curve, in [0, 2 length]; its segment may be up to twice the size.
   CurvePoint PointAtArc(double arc) const;
 
  private:
-  double ArcOfVertex(size_t i) const { return arcs_[i % size()] + (i >= size() ? length() * static_cast<double>(i / size()) : 0); }
+  double ArcOfVertex(size_t i) const {
+    return arcs_[i % size()] + (i >= size() ? length() * static_cast<double>(i / size()) : 0);
+  }
 
   std::vector<Vec3> vertices_;
   std::vector<double> arcs_;  // of every vertex, and the whole length last
@@ -62,9 +67,11 @@ std::vector<double> CurveCurvatures(const ClosedCurve& curve);
 // Vertices where two straight sides meet at an angle: one flag per vertex.
 std::vector<bool> FindSharpVertices(const ClosedCurve& curve);
 
-// The longest chord, at most `longest`, that stands for the curve around vertex i as well as `ideal_length` asks (see
-// curve_sagitta.cc), at least the shorter edge there; `longest` at sharp vertices.
-double LongestChordAt(const ClosedCurve& curve, const std::vector<bool>& sharp, size_t i, double longest,
-                      absl::FunctionRef<double(double max_curvature)> ideal_length);
+// For each vertex the longest chord, at most its `longest`, that stands for the curve around it as well as `ideal_length` asks (see
+// curve_sagitta.cc), at least the shorter edge there; its `longest` at sharp vertices. Stops with the context. A few µs a
+// vertex, at most 0.3 ms on hostile curves.
+absl::StatusOr<std::vector<double>> LongestChords(const ClosedCurve& curve, absl::Span<const double> longest,
+                                                  absl::FunctionRef<double(double max_curvature)> ideal_length,
+                                                  const Context& context);
 
 }  // namespace meshfront

@@ -51,9 +51,7 @@ class CircleFit {
   double Curvature() const {
     const Vec3 c12 = Cross(rows_[1], rows_[2]), c20 = Cross(rows_[2], rows_[0]), c01 = Cross(rows_[0], rows_[1]);
     const double determinant = Dot(rows_[0], c12);
-    auto coefficient = [&](int k) {
-      return (c12[k] * sums_[0] + c20[k] * sums_[1] + c01[k] * sums_[2]) / determinant;
-    };
+    auto coefficient = [&](int k) { return (c12[k] * sums_[0] + c20[k] * sums_[1] + c01[k] * sums_[2]) / determinant; };
     const Vec3 along = coefficient(1);
     const double curvature = Norm(Cross(Normalized(along), coefficient(2)));
     // Three points a mean edge apart give a determinant of one.

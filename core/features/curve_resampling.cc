@@ -88,7 +88,8 @@ class Resampler {
   std::vector<uint32_t> SpanningVertices() const {
     const uint32_t a = FarthestVertex([&](uint32_t i) { return SquaredDistance(curve_[i], curve_[0]); });
     const uint32_t b = FarthestVertex([&](uint32_t i) { return SquaredDistance(curve_[i], curve_[a]); });
-    uint32_t c = FarthestVertex([&](uint32_t i) { return SquaredNorm(Cross(curve_[i] - curve_[a], curve_[b] - curve_[a])); });
+    uint32_t c =
+        FarthestVertex([&](uint32_t i) { return SquaredNorm(Cross(curve_[i] - curve_[a], curve_[b] - curve_[a])); });
     if (c == a || c == b) {
       c = 0;
       while (c == a || c == b) ++c;
@@ -115,9 +116,9 @@ class Resampler {
     while (true) {
       if (marks_.size() % kStopInterval == 0) MESHFRONT_RETURN_IF_ERROR(context_.CheckStop());
       if (points_.size() + marks_.size() > kMaxCurvePoints) {
-        return absl::ResourceExhaustedError(
-            absl::StrCat("a boundary of length ", curve_.length(), " would get more than ", kMaxCurvePoints,
-                         " vertices at the edge length asked for; it must be larger"));
+        return absl::ResourceExhaustedError(absl::StrCat("a boundary of length ", curve_.length(),
+                                                         " would get more than ", kMaxCurvePoints,
+                                                         " vertices at the edge length asked for; it must be larger"));
       }
       marks_.push_back(curve_.ArcAt(at));
       const Vec3 from = curve_.At(at);

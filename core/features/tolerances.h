@@ -31,6 +31,14 @@ inline constexpr double kMinDeterminant = 1e-9;
 inline constexpr double kMinRadiusInEdges = 0.5;
 // The sides of a corner are straight when chord / arc over the fit's reach is at least this.
 inline constexpr double kStraightShare = 0.95;
+// Chords are tried from long to short by this factor, at most so many (down to a millionth).
+inline constexpr double kChordScale = 0.8;
+inline constexpr int kMaxChordScales = 64;
+// Vertices looked at under one chord: about so many where there are more, and on one side never more than kMaxWindow, wherever
+// they crowd.
+inline constexpr size_t kWindowVertices = 64;
+inline constexpr size_t kMaxWindow = 256;
+inline constexpr size_t kChordStopInterval = 16;  // vertices between two looks at the context while chords are tried
 // Ideal length on a curve is at most its length divided by this: g is l/η there, so a small hole gets about five vertices.
 inline constexpr double kMinEdgesPerLoop = 4;
 

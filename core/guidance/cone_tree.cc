@@ -92,8 +92,8 @@ void ConeTree::Attach(const Place& place, absl::Span<Item> items) {
 
 uint32_t ConeTree::MakeLeaf(absl::Span<const Item> items, const Place& place) {
   const uint32_t leaf = static_cast<uint32_t>(leaves_.size());
-  leaves_.push_back({static_cast<uint32_t>(blocks_.size()),
-                     static_cast<uint32_t>((items.size() + kLanes - 1) / kLanes), place});
+  leaves_.push_back(
+      {static_cast<uint32_t>(blocks_.size()), static_cast<uint32_t>((items.size() + kLanes - 1) / kLanes), place});
   for (size_t i = 0; i < items.size(); ++i) {
     const int lane = i % kLanes;
     if (lane == 0) {

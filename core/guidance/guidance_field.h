@@ -12,9 +12,9 @@
 namespace meshfront {
 
 struct GuidanceOptions {
-  double eta = 1.2;        // bound on the ratio of incident edges, in (1, 2)
-  double min_length = 0;   // clamp of g from below, ≥ 0
-  double max_length = 0;   // clamp of g from above, > 0, ≥ min_length, finite
+  double eta = 1.2;       // bound on the ratio of incident edges, in (1, 2)
+  double min_length = 0;  // clamp of g from below, ≥ 0
+  double max_length = 0;  // clamp of g from above, > 0, ≥ min_length, finite
 };
 
 // g(x) = clamp(min over the samples of ĝ(|x − s|)). Immutable; thread-safe. Exact: equal to the brute-force minimum over the

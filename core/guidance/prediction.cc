@@ -31,8 +31,7 @@ double InverseSquare(double g) { return 1 / (g * g); }
 
 // ∫ dA / g² for g linear on the triangle, by the rule that is exact for quadratics.
 double LeafIntegral(double area, double ga, double gb, double gc) {
-  return area / 3 *
-         (InverseSquare(0.5 * (ga + gb)) + InverseSquare(0.5 * (gb + gc)) + InverseSquare(0.5 * (gc + ga)));
+  return area / 3 * (InverseSquare(0.5 * (ga + gb)) + InverseSquare(0.5 * (gb + gc)) + InverseSquare(0.5 * (gc + ga)));
 }
 
 double Integral(const GuidanceField& field, const Corner& a, const Corner& b, const Corner& c, int depth) {

@@ -42,7 +42,8 @@ class Pruner {
       const double apex = sample.ideal_length / eta_ * kPruneShrink;
       bool dominated = false;
       for (size_t k = kept - window; k < kept && !dominated; ++k) {
-        dominated = GradedLength(Distance(sample.position, samples_[k].position), samples_[k].ideal_length, eta_) < apex;
+        dominated =
+            GradedLength(Distance(sample.position, samples_[k].position), samples_[k].ideal_length, eta_) < apex;
       }
       if (!dominated) samples_[kept++] = sample;
     }

@@ -14,8 +14,8 @@ namespace meshfront {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kMaxAngle = 2 * std::numbers::pi / 3;      // an equilateral triangle on a great circle
-constexpr double kMaxHalfSine = 0.86602540378443864676;     // sin(kMaxAngle / 2) = √3/2
+constexpr double kMaxAngle = 2 * std::numbers::pi / 3;   // an equilateral triangle on a great circle
+constexpr double kMaxHalfSine = 0.86602540378443864676;  // sin(kMaxAngle / 2) = √3/2
 
 // sin(angle / 2) that an edge subtends, clamped to the range of the formulas.
 double HalfSine(double length, double max_curvature) {

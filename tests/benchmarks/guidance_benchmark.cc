@@ -21,9 +21,9 @@ std::vector<SizingSample> BumpySphere(int count) {
     const double wave = std::sin(7 * theta) * std::sin(9 * phi) + 0.5 * std::sin(23 * theta + 11 * phi);
     const double radius = 1 + 0.03 * wave;
     const double curvature = 1 + 14 * std::abs(wave) + 3 * std::sin(61 * theta) * std::sin(53 * phi);
-    samples.push_back({{radius * std::sin(theta) * std::cos(phi), radius * std::sin(theta) * std::sin(phi),
-                        radius * std::cos(theta)},
-                       IdealLength(0.5, std::max(0.05, curvature))});
+    samples.push_back(
+        {{radius * std::sin(theta) * std::cos(phi), radius * std::sin(theta) * std::sin(phi), radius * std::cos(theta)},
+         IdealLength(0.5, std::max(0.05, curvature))});
   }
   return samples;
 }

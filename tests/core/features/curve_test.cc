@@ -155,10 +155,9 @@ TEST(CurveResampling, FollowsHairpinsThatTheFieldWouldStepAcross) {
 
 TEST(CurveResampling, EndsOnCurvesWithRepeatedPlaces) {
   // A figure of eight whose middle is two vertices at one place, a curve of zero length, and one there and back.
-  const std::vector<std::vector<Vec3>> curves{
-      {{0, 0, 0}, {1, 1, 0}, {1, -1, 0}, {0, 0, 0}, {-1, 1, 0}, {-1, -1, 0}},
-      {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}},
-      {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {1, 0, 0}}};
+  const std::vector<std::vector<Vec3>> curves{{{0, 0, 0}, {1, 1, 0}, {1, -1, 0}, {0, 0, 0}, {-1, 1, 0}, {-1, -1, 0}},
+                                              {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}},
+                                              {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {1, 0, 0}}};
   for (const auto& vertices : curves) {
     for (double g : {0.1, 1.0, 100.0}) {
       const ClosedCurve curve(vertices);
@@ -195,7 +194,9 @@ TEST(CurveResampling, StopsWhenItsContextSaysSo) {
   const std::atomic<bool> stop = true;
   Context context;
   context.stop = &stop;
-  EXPECT_FALSE(ResampleCurve(Circle(10), [](const Vec3&) { return 0.1; }, context).ok());
+  EXPECT_FALSE(ResampleCurve(
+                   Circle(10), [](const Vec3&) { return 0.1; }, context)
+                   .ok());
 }
 
 TEST(CurveCurvature, IsTheInverseRadiusOfACircle) {
@@ -214,6 +215,46 @@ TEST(CurveCurvature, IsBoundedByTheEdgesOnNoise) {
   for (double curvature : CurveCurvatures(star)) EXPECT_LE(curvature, 2 / 3.0);
   // A zig-zag of a third of an edge reports its circle within a factor, not the zig-zag (whose turns have κ ≈ 20).
   for (double curvature : CurveCurvatures(Circle(100, 1, 0.02))) EXPECT_LT(curvature, 6);
+}
+
+std::vector<double> ChordsFor(const ClosedCurve& curve, double rho) {
+  const std::vector<double> longest(curve.size(), curve.length() / 4);
+  return *LongestChords(curve, longest, [=](double curvature) { return 2 * std::sin(rho / 2) / curvature; }, {});
+}
+
+TEST(CurveSagitta, TakesTheIdealChordOfACircle) {
+  // Chords of 0.8 radians, within a step of 0.8 of the search; on 20,000 vertices as on 200.
+  for (int n : {200, 20000}) {
+    const auto chords = ChordsFor(Circle(n), 0.8);
+    EXPECT_THAT(chords, Each(::testing::AllOf(::testing::Gt(0.75 * 0.78), ::testing::Le(0.8)))) << n;
+  }
+}
+
+TEST(CurveSagitta, TakesTheLongestChordAlongStraightSides) {
+  EXPECT_THAT(ChordsFor(Square(10), 0.8), Each(::testing::DoubleNear(1, 1e-9)));
+  EXPECT_THAT(ChordsFor(Square(5000), 0.8), Each(::testing::DoubleNear(1, 1e-9)));
+}
+
+TEST(CurveSagitta, SeesBumpsNarrowerThanAnEdge) {
+  // A circle whose radius waves by 0.05, 20 times around: chords of 0.8 would miss them. A chord from where the
+  // wave is level to where it is again sees nothing, but one within each wave must.
+  std::vector<Vec3> points;
+  for (int i = 0; i < 400; ++i) {
+    const double angle = 2 * std::numbers::pi * i / 400, r = 1 + 0.05 * std::sin(20 * angle);
+    points.push_back({r * std::cos(angle), r * std::sin(angle), 0});
+  }
+  const auto chords = ChordsFor(ClosedCurve(points), 0.8);
+  for (int i = 0; i < 400; i += 20) EXPECT_LT(*std::min_element(&chords[i], &chords[i] + 20), 0.1);
+}
+
+TEST(CurveSagitta, StopsWhenItsContextSaysSo) {
+  const std::atomic<bool> stop = true;
+  Context context;
+  context.stop = &stop;
+  const std::vector<double> longest(10, 1);
+  EXPECT_FALSE(LongestChords(
+                   Circle(10), longest, [](double) { return 1.0; }, context)
+                   .ok());
 }
 
 }  // namespace

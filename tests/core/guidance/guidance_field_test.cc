@@ -189,8 +189,14 @@ TEST(GuidanceField, IsTheUpperClampWithoutSamples) {
 }
 
 TEST(GuidanceField, RefusesOptionsOutOfRange) {
-  for (const GuidanceOptions& options : std::vector<GuidanceOptions>{
-           {1, 0, 1}, {2, 0, 1}, {NAN, 0, 1}, {1.2, -1, 1}, {1.2, 2, 1}, {1.2, 0, 0}, {1.2, 0, kInfinity}, {1.2, 0, NAN}}) {
+  for (const GuidanceOptions& options : std::vector<GuidanceOptions>{{1, 0, 1},
+                                                                     {2, 0, 1},
+                                                                     {NAN, 0, 1},
+                                                                     {1.2, -1, 1},
+                                                                     {1.2, 2, 1},
+                                                                     {1.2, 0, 0},
+                                                                     {1.2, 0, kInfinity},
+                                                                     {1.2, 0, NAN}}) {
     EXPECT_EQ(GuidanceField::Create({}, options, {}).status().code(), absl::StatusCode::kInvalidArgument);
   }
 }
