@@ -11,7 +11,8 @@ namespace {
 
 constexpr uint64_t kFirstCapacity = 4096;
 
-// Makes `out` hold `size` elements. Doubles, but never beyond what was announced: a big mesh does not end with a third unused.
+// Makes `out` hold `size` elements. Doubles, but never beyond what was announced: a big mesh does not end with a third
+// unused.
 template <class T>
 void GrowTo(std::vector<T>& out, uint64_t size, uint64_t announced) {
   if (size > out.capacity()) {
@@ -58,24 +59,22 @@ class FloatWidener {
 
 }  // namespace
 
-ArrayWriter ArrayWriter::ForPoints(v1::Array array, std::vector<Vec3>* out, uint64_t count, v1::ScalarType scalar_type) {
+ArrayWriter ArrayWriter::ForPoints(v1::Array array, std::vector<Vec3>* out, uint64_t count,
+                                   v1::ScalarType scalar_type) {
   static_assert(sizeof(Vec3) == 24);
   if (scalar_type == v1::SCALAR_TYPE_FLOAT32) return ArrayWriter(array, count * 12, FloatWidener(out, count));
-  return ArrayWriter(array, count * 24, [out, count](uint64_t offset, absl::string_view data) {
-    CopyBytes(*out, count, offset, data);
-  });
+  return ArrayWriter(array, count * 24,
+                     [out, count](uint64_t offset, absl::string_view data) { CopyBytes(*out, count, offset, data); });
 }
 
 ArrayWriter ArrayWriter::ForTriangles(std::vector<Triangle>* out, uint64_t count) {
-  return ArrayWriter(v1::ARRAY_TRIANGLES, count * 12, [out, count](uint64_t offset, absl::string_view data) {
-    CopyBytes(*out, count, offset, data);
-  });
+  return ArrayWriter(v1::ARRAY_TRIANGLES, count * 12,
+                     [out, count](uint64_t offset, absl::string_view data) { CopyBytes(*out, count, offset, data); });
 }
 
 ArrayWriter ArrayWriter::ForFile(std::vector<uint8_t>* out, uint64_t bytes) {
-  return ArrayWriter(v1::ARRAY_FILE, bytes, [out, bytes](uint64_t offset, absl::string_view data) {
-    CopyBytes(*out, bytes, offset, data);
-  });
+  return ArrayWriter(v1::ARRAY_FILE, bytes,
+                     [out, bytes](uint64_t offset, absl::string_view data) { CopyBytes(*out, bytes, offset, data); });
 }
 
 ArrayWriter ArrayWriter::ForNothing(v1::Array array, uint64_t bytes) {
@@ -90,7 +89,8 @@ absl::Status ArrayWriter::Write(uint64_t offset, absl::string_view data) {
   if (data.empty()) return absl::InvalidArgumentError("block.data is empty; it must hold at least one byte");
   if (data.size() > announced_ - received_) {
     return absl::InvalidArgumentError(absl::StrCat("block.data goes to byte ", offset + data.size(), " of ",
-                                                   v1::Array_Name(array_), "; the header announced ", announced_, " bytes"));
+                                                   v1::Array_Name(array_), "; the header announced ", announced_,
+                                                   " bytes"));
   }
   store_(offset, data);
   received_ += data.size();

@@ -28,7 +28,8 @@ class ArrayWriter {
   uint64_t received_bytes() const { return received_; }
   bool whole() const { return received_ == announced_; }
 
-  // InvalidArgument when `offset` is not what was received so far, or `data` is empty or goes beyond what was announced.
+  // InvalidArgument when `offset` is not what was received so far, or `data` is empty or goes beyond what was
+  // announced.
   absl::Status Write(uint64_t offset, absl::string_view data);
 
  private:

@@ -10,9 +10,12 @@
 namespace meshfront {
 
 Call::Call(ServiceState& state, Peer peer, EventWriter* writer, Run run)
-    : state_(state), peer_(std::move(peer)), run_(run),
+    : state_(state),
+      peer_(std::move(peer)),
+      run_(run),
       events_(std::make_shared<EventStream>(writer, state.config.stall_timeout)),
-      job_(std::make_shared<Job>(state.pending, events_)), assembler_(state.config.limits) {
+      job_(std::make_shared<Job>(state.pending, events_)),
+      assembler_(state.config.limits) {
   job_->id = state.NewJobId();
   job_->deadline = peer_.deadline;
   job_->upload_begin = absl::Now();
@@ -51,9 +54,9 @@ bool Call::AfterMessage(const absl::Status& status) {
 
 void Call::OnInputCut() {
   if (assembler_.whole()) return;
-  events_->Close(absl::InvalidArgumentError(
-      assembler_.has_header() ? "end is missing; the stream was closed before the input was whole"
-                              : "header is missing; the stream was closed before it"));
+  events_->Close(absl::InvalidArgumentError(assembler_.has_header()
+                                                ? "end is missing; the stream was closed before the input was whole"
+                                                : "header is missing; the stream was closed before it"));
 }
 
 void Call::Submit() {

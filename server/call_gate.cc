@@ -9,8 +9,9 @@ namespace meshfront {
 absl::Status CallGate::Enter() {
   std::lock_guard lock(mutex_);
   if (draining_) {
-    return WithRetry(WithReason(absl::UnavailableError("the server is shutting down; try again, or another one"), "DRAINING"),
-                     absl::Seconds(1));
+    return WithRetry(
+        WithReason(absl::UnavailableError("the server is shutting down; try again, or another one"), "DRAINING"),
+        absl::Seconds(1));
   }
   ++inside_;
   return absl::OkStatus();
@@ -30,7 +31,8 @@ void CallGate::Drain() {
 
 bool CallGate::WaitUntilIdle(absl::Duration timeout) {
   std::unique_lock lock(mutex_);
-  return left_.wait_for(lock, absl::ToChronoMilliseconds(std::min(timeout, absl::Hours(24))), [this] { return inside_ == 0; });
+  return left_.wait_for(lock, absl::ToChronoMilliseconds(std::min(timeout, absl::Hours(24))),
+                        [this] { return inside_ == 0; });
 }
 
 }  // namespace meshfront

@@ -27,8 +27,11 @@ void AppendVector(std::string& out, const Vec3& v, bool doubles) {
 }  // namespace
 
 ChunkBuilder::ChunkBuilder(const v1::OutputFormat& output, Emit emit)
-    : doubles_(output.scalar_type() == v1::SCALAR_TYPE_FLOAT64), normals_(output.normals()),
-      finalised_(output.finalised()), max_bytes_(output.chunk_bytes()), emit_(std::move(emit)) {
+    : doubles_(output.scalar_type() == v1::SCALAR_TYPE_FLOAT64),
+      normals_(output.normals()),
+      finalised_(output.finalised()),
+      max_bytes_(output.chunk_bytes()),
+      emit_(std::move(emit)) {
   Begin();
 }
 

@@ -10,8 +10,8 @@
 
 namespace meshfront {
 
-// Chunks begin with 4 KiB and double after every two until they have the size that was asked for: a small mesh comes in pieces
-// too, a large one with little overhead. Cut by count, never by time, so the same mesh gives the same chunks.
+// Chunks begin with 4 KiB and double after every two until they have the size that was asked for: a small mesh comes
+// in pieces too, a large one with little overhead. Cut by count, never by time, so the same mesh gives the same chunks.
 class ChunkBuilder {
  public:
   static constexpr uint32_t kFirstBytes = 4 << 10;

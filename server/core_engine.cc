@@ -3,12 +3,10 @@
 namespace meshfront {
 
 Engine CoreEngine() {
-  return {.remesh = [](Problem problem, MeshSink& sink, const Context& context) {
-            return Remesh(std::move(problem), sink, context);
-          },
-          .estimate = [](Problem problem, const Context& context) {
-            return EstimateRemesh(std::move(problem), context);
-          }};
+  return {
+      .remesh = [](Problem problem, MeshSink& sink,
+                   const Context& context) { return Remesh(std::move(problem), sink, context); },
+      .estimate = [](Problem problem, const Context& context) { return EstimateRemesh(std::move(problem), context); }};
 }
 
 }  // namespace meshfront

@@ -1,6 +1,7 @@
-// Pump is the one place that acts on the writer. Whoever changes the state calls it; if a thread is in it already, that thread
-// looks again before it leaves. So writes never overlap with the end of the call, and no gRPC call is made under the lock (its
-// completion may run on the same thread). Rejected: a lock around the writer's calls, which deadlocks for that reason.
+// Pump is the one place that acts on the writer. Whoever changes the state calls it; if a thread is in it already,
+// that thread looks again before it leaves. So writes never overlap with the end of the call, and no gRPC call is made
+// under the lock (its completion may run on the same thread). Rejected: a lock around the writer's calls, which
+// deadlocks for that reason.
 #include "server/event_stream.h"
 
 #include <algorithm>
@@ -33,7 +34,8 @@ absl::Status EventStream::Drain() {
   return WaitFor(lock, 0);
 }
 
-// Waits until at most `most_waiting` events are in the ring. The time allowed starts anew with each event that is taken.
+// Waits until at most `most_waiting` events are in the ring. The time allowed starts anew with each event that is
+// taken.
 absl::Status EventStream::WaitFor(std::unique_lock<std::mutex>& lock, size_t most_waiting) {
   const absl::Time begin = absl::Now();
   const auto timeout = absl::ToChronoMilliseconds(std::min(stall_timeout_, absl::Hours(24)));
@@ -45,8 +47,9 @@ absl::Status EventStream::WaitFor(std::unique_lock<std::mutex>& lock, size_t mos
   stalled_ += absl::Now() - begin;
   if (final_) return absl::CancelledError("the call has ended");
   if (!stalled) return absl::OkStatus();
-  return WithReason(absl::AbortedError(absl::StrCat("the reader took nothing for ", absl::FormatDuration(stall_timeout_))),
-                    "READER_STALLED");
+  return WithReason(
+      absl::AbortedError(absl::StrCat("the reader took nothing for ", absl::FormatDuration(stall_timeout_))),
+      "READER_STALLED");
 }
 
 void EventStream::SetProgress(const v1::Progress& progress) {

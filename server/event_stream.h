@@ -24,8 +24,8 @@ class EventWriter {
   virtual void EndCall(const absl::Status& status) = 0;
 };
 
-// Thread-safe. Never calls the writer with its lock held, and never from two threads at a time. After the call has ended it
-// touches the writer no more and Push answers Cancelled, so that a job may outlive its call.
+// Thread-safe. Never calls the writer with its lock held, and never from two threads at a time. After the call has
+// ended it touches the writer no more and Push answers Cancelled, so that a job may outlive its call.
 //
 //   call:   Open(accepted): what was pushed before it waits for it
 //   worker: Push … Push, Drain, Close(status)            a full ring blocks Push, a stalled reader aborts it
@@ -39,9 +39,11 @@ class EventStream {
 
   // The first event; nothing is written before it. Once.
   void Open(v1::MeshEvent first);
-  // Hands over an event in order; blocks while the ring is full. Aborted when the reader stalls, Cancelled after the end.
+  // Hands over an event in order; blocks while the ring is full. Aborted when the reader stalls, Cancelled after the
+  // end.
   absl::Status Push(v1::MeshEvent event);
-  // The newest progress replaces one that was not written yet and goes before what is in the ring; never blocks, never fails.
+  // The newest progress replaces one that was not written yet and goes before what is in the ring; never blocks, never
+  // fails.
   void SetProgress(const v1::Progress& progress);
   // Blocks until every event was taken by the writer; errors as Push.
   absl::Status Drain();

@@ -4,7 +4,8 @@
 
 namespace meshfront {
 
-// One Watch call: writes the status at first and whenever it differs from the one written last. All under the service's mutex.
+// One Watch call: writes the status at first and whenever it differs from the one written last. All under the
+// service's mutex.
 class HealthService::Watcher final : public grpc::ServerWriteReactor<Response> {
  public:
   Watcher(HealthService* owner, std::string service) : owner_(owner), service_(std::move(service)) {
@@ -74,7 +75,8 @@ void HealthService::EndWatches() {
 }
 
 grpc::ServerUnaryReactor* HealthService::Check(grpc::CallbackServerContext* context,
-                                               const grpc::health::v1::HealthCheckRequest* request, Response* response) {
+                                               const grpc::health::v1::HealthCheckRequest* request,
+                                               Response* response) {
   const ServingStatus status = StatusOf(request->service());
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   if (status == Response::SERVICE_UNKNOWN) {
@@ -86,8 +88,8 @@ grpc::ServerUnaryReactor* HealthService::Check(grpc::CallbackServerContext* cont
   return reactor;
 }
 
-grpc::ServerWriteReactor<HealthService::Response>* HealthService::Watch(grpc::CallbackServerContext*,
-                                                                        const grpc::health::v1::HealthCheckRequest* request) {
+grpc::ServerWriteReactor<HealthService::Response>* HealthService::Watch(
+    grpc::CallbackServerContext*, const grpc::health::v1::HealthCheckRequest* request) {
   return new Watcher(this, request->service());
 }
 

@@ -23,8 +23,8 @@ class HealthService final : public grpc::health::v1::Health::CallbackService {
   // Ends all Watch calls, also those to come: they would hold a shutdown.
   void EndWatches();
 
-  grpc::ServerUnaryReactor* Check(grpc::CallbackServerContext* context, const grpc::health::v1::HealthCheckRequest* request,
-                                  Response* response) override;
+  grpc::ServerUnaryReactor* Check(grpc::CallbackServerContext* context,
+                                  const grpc::health::v1::HealthCheckRequest* request, Response* response) override;
   grpc::ServerWriteReactor<Response>* Watch(grpc::CallbackServerContext* context,
                                             const grpc::health::v1::HealthCheckRequest* request) override;
 

@@ -30,21 +30,30 @@ absl::Status CheckRequestId(const std::string& id) {
 absl::Status CheckCount(absl::string_view field, uint64_t count, uint64_t limit) {
   if (count == 0) return absl::InvalidArgumentError(absl::StrCat(field, " is 0; it must be at least 1"));
   if (count <= limit) return absl::OkStatus();
-  return WithReason(absl::ResourceExhaustedError(absl::StrCat(field, " is ", count, "; this server takes at most ", limit)),
-                    "INPUT_TOO_LARGE",
-                    {{"field", std::string(field)}, {"value", absl::StrCat(count)}, {"limit", absl::StrCat(limit)}});
+  return WithReason(
+      absl::ResourceExhaustedError(absl::StrCat(field, " is ", count, "; this server takes at most ", limit)),
+      "INPUT_TOO_LARGE",
+      {{"field", std::string(field)}, {"value", absl::StrCat(count)}, {"limit", absl::StrCat(limit)}});
 }
 
 Format FormatFromProto(v1::FileFormat format) {
   switch (format) {
-    case v1::FILE_FORMAT_OFF: return Format::kOff;
-    case v1::FILE_FORMAT_OBJ: return Format::kObj;
-    case v1::FILE_FORMAT_PLY: return Format::kPly;
-    case v1::FILE_FORMAT_STL: return Format::kStl;
-    case v1::FILE_FORMAT_GLB: return Format::kGlb;
-    case v1::FILE_FORMAT_GLTF: return Format::kGltf;
-    case v1::FILE_FORMAT_XYZ: return Format::kXyz;
-    default: return Format::kUnknown;
+    case v1::FILE_FORMAT_OFF:
+      return Format::kOff;
+    case v1::FILE_FORMAT_OBJ:
+      return Format::kObj;
+    case v1::FILE_FORMAT_PLY:
+      return Format::kPly;
+    case v1::FILE_FORMAT_STL:
+      return Format::kStl;
+    case v1::FILE_FORMAT_GLB:
+      return Format::kGlb;
+    case v1::FILE_FORMAT_GLTF:
+      return Format::kGltf;
+    case v1::FILE_FORMAT_XYZ:
+      return Format::kXyz;
+    default:
+      return Format::kUnknown;
   }
 }
 
@@ -63,9 +72,15 @@ absl::Status InputAssembler::Accept(const v1::Header& header) {
   request_id_ = header.request_id();
   requested_threads_ = header.options().threads();
   switch (header.input_case()) {
-    case v1::Header::kMesh: MESHFRONT_RETURN_IF_ERROR(AnnounceMesh(header.mesh())); break;
-    case v1::Header::kPoints: MESHFRONT_RETURN_IF_ERROR(AnnouncePoints(header.points())); break;
-    case v1::Header::kFile: MESHFRONT_RETURN_IF_ERROR(AnnounceFile(header.file())); break;
+    case v1::Header::kMesh:
+      MESHFRONT_RETURN_IF_ERROR(AnnounceMesh(header.mesh()));
+      break;
+    case v1::Header::kPoints:
+      MESHFRONT_RETURN_IF_ERROR(AnnouncePoints(header.points()));
+      break;
+    case v1::Header::kFile:
+      MESHFRONT_RETURN_IF_ERROR(AnnounceFile(header.file()));
+      break;
     case v1::Header::INPUT_NOT_SET:
       return absl::InvalidArgumentError("header.input is not set; it must be mesh, points or file");
   }
@@ -79,9 +94,8 @@ absl::Status InputAssembler::Accept(const v1::Header& header) {
 absl::Status InputAssembler::AnnounceMesh(const v1::MeshArrays& mesh) {
   MESHFRONT_RETURN_IF_ERROR(CheckCount("mesh.vertex_count", mesh.vertex_count(), limits_.max_vertices));
   MESHFRONT_RETURN_IF_ERROR(CheckCount("mesh.triangle_count", mesh.triangle_count(), limits_.max_triangles));
-  MESHFRONT_ASSIGN_OR_RETURN(
-      const v1::ScalarType scalar,
-      ResolveScalarType(mesh.scalar_type(), v1::SCALAR_TYPE_FLOAT64, "mesh.scalar_type"));
+  MESHFRONT_ASSIGN_OR_RETURN(const v1::ScalarType scalar,
+                             ResolveScalarType(mesh.scalar_type(), v1::SCALAR_TYPE_FLOAT64, "mesh.scalar_type"));
   vertex_count_ = mesh.vertex_count();
   arrays_.push_back(ArrayWriter::ForPoints(v1::ARRAY_POSITIONS, &input_.mesh.positions, vertex_count_, scalar));
   arrays_.push_back(ArrayWriter::ForTriangles(&input_.mesh.triangles, mesh.triangle_count()));
@@ -95,9 +109,8 @@ absl::Status InputAssembler::AnnounceMesh(const v1::MeshArrays& mesh) {
 
 absl::Status InputAssembler::AnnouncePoints(const v1::PointSet& points) {
   MESHFRONT_RETURN_IF_ERROR(CheckCount("points.point_count", points.point_count(), limits_.max_vertices));
-  MESHFRONT_ASSIGN_OR_RETURN(
-      const v1::ScalarType scalar,
-      ResolveScalarType(points.scalar_type(), v1::SCALAR_TYPE_FLOAT64, "points.scalar_type"));
+  MESHFRONT_ASSIGN_OR_RETURN(const v1::ScalarType scalar,
+                             ResolveScalarType(points.scalar_type(), v1::SCALAR_TYPE_FLOAT64, "points.scalar_type"));
   const uint64_t count = points.point_count();
   arrays_.push_back(ArrayWriter::ForPoints(v1::ARRAY_POSITIONS, &input_.mesh.positions, count, scalar));
   if (points.has_normals()) {
@@ -124,13 +137,16 @@ absl::Status InputAssembler::AnnounceFile(const v1::WholeFile& file) {
 }
 
 ArrayWriter* InputAssembler::Find(v1::Array array) {
-  const auto found = std::find_if(arrays_.begin(), arrays_.end(), [&](const ArrayWriter& a) { return a.array() == array; });
+  const auto found =
+      std::find_if(arrays_.begin(), arrays_.end(), [&](const ArrayWriter& a) { return a.array() == array; });
   return found == arrays_.end() ? nullptr : &*found;
 }
 
 absl::Status InputAssembler::Accept(const v1::DataBlock& block) {
-  if (state_ == State::kHeader) return absl::InvalidArgumentError("block came before the header; the header is the first message");
-  if (state_ == State::kWhole) return absl::InvalidArgumentError("block came after the end; the end is the last message");
+  if (state_ == State::kHeader)
+    return absl::InvalidArgumentError("block came before the header; the header is the first message");
+  if (state_ == State::kWhole)
+    return absl::InvalidArgumentError("block came after the end; the end is the last message");
   ArrayWriter* array = Find(block.array());
   if (array == nullptr) {
     return absl::InvalidArgumentError(absl::StrCat("block.array is ", static_cast<int>(block.array()), " (",
@@ -141,7 +157,8 @@ absl::Status InputAssembler::Accept(const v1::DataBlock& block) {
         absl::StrCat("block.data has ", block.data().size(), " bytes; it must have at most ", kMaxBlockBytes));
   }
   if (Crc32c(block.data()) != block.crc32c()) {
-    return ChecksumError("block.crc32c", {{"array", v1::Array_Name(block.array())}, {"offset", absl::StrCat(block.offset())}});
+    return ChecksumError("block.crc32c",
+                         {{"array", v1::Array_Name(block.array())}, {"offset", absl::StrCat(block.offset())}});
   }
   MESHFRONT_RETURN_IF_ERROR(array->Write(block.offset(), block.data()));
   sha256_.Update(block.data());
@@ -155,17 +172,18 @@ absl::Status InputAssembler::CheckNewIndices() {
   for (; checked_triangles_ < whole; ++checked_triangles_) {
     for (const VertexId v : triangles[checked_triangles_]) {
       if (v.index() < vertex_count_) continue;
-      return WithReason(absl::InvalidArgumentError(absl::StrCat("mesh.triangles: triangle ", checked_triangles_, " names vertex ",
-                                                                v.index(), "; there are ", vertex_count_)),
-                        "INDEX_OUT_OF_RANGE",
-                        {{"face", absl::StrCat(checked_triangles_)}, {"vertex", absl::StrCat(v.index())}});
+      return WithReason(
+          absl::InvalidArgumentError(absl::StrCat("mesh.triangles: triangle ", checked_triangles_, " names vertex ",
+                                                  v.index(), "; there are ", vertex_count_)),
+          "INDEX_OUT_OF_RANGE", {{"face", absl::StrCat(checked_triangles_)}, {"vertex", absl::StrCat(v.index())}});
     }
   }
   return absl::OkStatus();
 }
 
 absl::Status InputAssembler::Accept(const v1::EndOfInput& end) {
-  if (state_ == State::kHeader) return absl::InvalidArgumentError("end came before the header; the header is the first message");
+  if (state_ == State::kHeader)
+    return absl::InvalidArgumentError("end came before the header; the header is the first message");
   if (state_ == State::kWhole) return absl::InvalidArgumentError("end came twice; it is the last message, once");
   for (const ArrayWriter& array : arrays_) {
     if (array.whole()) continue;

@@ -24,8 +24,8 @@ struct AssembledInput {
 };
 
 // Header, blocks, end: one message after the other. InvalidArgument: order, options, arrays; ResourceExhausted: limits;
-// DataLoss: checksums. After an error it is to be thrown away. Memory follows what was received, not what was announced. Not
-// thread-safe.
+// DataLoss: checksums. After an error it is to be thrown away. Memory follows what was received, not what was
+// announced. Not thread-safe.
 class InputAssembler {
  public:
   explicit InputAssembler(const ServerLimits& limits) : limits_(limits) {}

@@ -1,5 +1,5 @@
-// A job, step by step: 1 ParseInput (files only), 2 AnnounceDefects (when nothing is to be repaired), 3 the engine into the
-// sink, 4 the summary, 5 wait until the reader has everything, 6 close.
+// A job, step by step: 1 ParseInput (files only), 2 AnnounceDefects (when nothing is to be repaired), 3 the engine
+// into the sink, 4 the summary, 5 wait until the reader has everything, 6 close.
 #include "server/job.h"
 
 #include <sys/resource.h>
@@ -53,7 +53,8 @@ class ProgressTeller {
   explicit ProgressTeller(EventStream& events) : events_(events) {}
 
   void operator()(const Progress& progress) {
-    const bool news = !told_ || progress.stage != last_.stage || progress.predicted_triangles != last_.predicted_triangles;
+    const bool news =
+        !told_ || progress.stage != last_.stage || progress.predicted_triangles != last_.predicted_triangles;
     const absl::Time now = absl::Now();
     if (!news && now - told_at_ < kProgressInterval) return;
     told_ = true;
@@ -176,8 +177,8 @@ absl::Status Presentable(ServiceState& state, const Job& job, const absl::Status
       break;
   }
   state.log->Write({{"fault", status.ToString()}, {"job", job.id}});
-  return WithReason(absl::InternalError(absl::StrCat("internal error in job ", job.id, "; the server's log says more")), "INTERNAL",
-                    {{"job_id", job.id}});
+  return WithReason(absl::InternalError(absl::StrCat("internal error in job ", job.id, "; the server's log says more")),
+                    "INTERNAL", {{"job_id", job.id}});
 }
 
 template <class Body>

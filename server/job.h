@@ -34,8 +34,8 @@ struct Job {
   v1::EstimateResponse estimate;
 };
 
-// Run the job and close its events; nothing escapes. A fault of any kind ends this job with Internal and its id, and the log
-// has what it was.
+// Run the job and close its events; nothing escapes. A fault of any kind ends this job with Internal and its id, and
+// the log has what it was.
 void RunRemesh(ServiceState& state, Job& job);
 void RunEstimate(ServiceState& state, Job& job);
 

@@ -27,10 +27,11 @@ class PendingBytes {
     absl::Status Take(uint64_t bytes) {
       taken_ += bytes;
       if ((owner_.used_ += bytes) <= owner_.limit_) return absl::OkStatus();
-      return WithRetry(WithReason(absl::ResourceExhaustedError(absl::StrCat(
-                                      "the uploads of all callers together exceed ", owner_.limit_, " bytes; try again later")),
-                                  "MEMORY_FULL", {{"limit", absl::StrCat(owner_.limit_)}}),
-                       absl::Seconds(2));
+      return WithRetry(
+          WithReason(absl::ResourceExhaustedError(absl::StrCat("the uploads of all callers together exceed ",
+                                                               owner_.limit_, " bytes; try again later")),
+                     "MEMORY_FULL", {{"limit", absl::StrCat(owner_.limit_)}}),
+          absl::Seconds(2));
     }
 
    private:

@@ -43,24 +43,41 @@ struct Flags {
 void AddFlags(CLI::App& app, Flags& flags) {
   ServerConfig& config = flags.config;
   app.add_option("--listen", config.listen, "Address to listen on; port 0: any free one")
-      ->envname("MESHFRONT_LISTEN")->capture_default_str();
-  app.add_option("--metrics-listen", flags.metrics_listen, "Address of the metrics (not yet)")->envname("MESHFRONT_METRICS_LISTEN");
+      ->envname("MESHFRONT_LISTEN")
+      ->capture_default_str();
+  app.add_option("--metrics-listen", flags.metrics_listen, "Address of the metrics (not yet)")
+      ->envname("MESHFRONT_METRICS_LISTEN");
   app.add_option("--threads", config.threads, "Most threads of one job; 0: all cores")
-      ->envname("MESHFRONT_THREADS")->check(CLI::Range(0, 1024))->capture_default_str();
+      ->envname("MESHFRONT_THREADS")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
   app.add_option("--workers", config.workers, "Jobs that run at a time; 0: all cores, at least 2")
-      ->envname("MESHFRONT_WORKERS")->check(CLI::Range(0, 1024))->capture_default_str();
+      ->envname("MESHFRONT_WORKERS")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
   app.add_option("--max-queue", config.max_queue, "Jobs that may wait for a worker")
-      ->envname("MESHFRONT_MAX_QUEUE")->check(CLI::Range(0, 1'000'000))->capture_default_str();
+      ->envname("MESHFRONT_MAX_QUEUE")
+      ->check(CLI::Range(0, 1'000'000))
+      ->capture_default_str();
   app.add_option("--max-input-mb", flags.max_input_mb, "Largest input, in MiB")
-      ->envname("MESHFRONT_MAX_INPUT_MB")->check(CLI::Range(1, 1 << 20))->capture_default_str();
+      ->envname("MESHFRONT_MAX_INPUT_MB")
+      ->check(CLI::Range(1, 1 << 20))
+      ->capture_default_str();
   app.add_option("--stall-timeout", flags.stall_timeout, "Seconds that a reader or an upload may stand still")
-      ->envname("MESHFRONT_STALL_TIMEOUT")->check(CLI::Range(0.001, 86400.0))->capture_default_str();
+      ->envname("MESHFRONT_STALL_TIMEOUT")
+      ->check(CLI::Range(0.001, 86400.0))
+      ->capture_default_str();
   app.add_option("--keepalive", flags.keepalive, "Seconds between signs of life asked of an idle connection")
-      ->envname("MESHFRONT_KEEPALIVE")->check(CLI::Range(1.0, 86400.0))->capture_default_str();
+      ->envname("MESHFRONT_KEEPALIVE")
+      ->check(CLI::Range(1.0, 86400.0))
+      ->capture_default_str();
   app.add_option("--lame-duck", flags.lame_duck, "Seconds from NOT_SERVING to refusing new calls at shutdown")
-      ->envname("MESHFRONT_LAME_DUCK")->check(CLI::Range(0.0, 3600.0))->capture_default_str();
+      ->envname("MESHFRONT_LAME_DUCK")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
   app.add_option("--log", config.log, "File of the job log; empty: stderr; off: none")->envname("MESHFRONT_LOG");
-  app.add_flag("--insecure", config.insecure, "Allow an address off loopback without TLS")->envname("MESHFRONT_INSECURE");
+  app.add_flag("--insecure", config.insecure, "Allow an address off loopback without TLS")
+      ->envname("MESHFRONT_INSECURE");
   app.add_flag("--print-config", flags.print_config, "Print the values in force as JSON and stop")
       ->envname("MESHFRONT_PRINT_CONFIG");
   app.set_version_flag("--version", std::string("meshfrontd ") + kVersion);
@@ -104,10 +121,14 @@ void WaitForSignal(const sigset_t& signals) {
 
 int ExitCodeOf(const absl::Status& status) {
   switch (status.code()) {
-    case absl::StatusCode::kInvalidArgument: return kUsage;
-    case absl::StatusCode::kUnavailable: return kUnavailable;
-    case absl::StatusCode::kInternal: return kInternal;
-    default: return kUsage;
+    case absl::StatusCode::kInvalidArgument:
+      return kUsage;
+    case absl::StatusCode::kUnavailable:
+      return kUnavailable;
+    case absl::StatusCode::kInternal:
+      return kInternal;
+    default:
+      return kUsage;
   }
 }
 

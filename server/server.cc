@@ -61,7 +61,8 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
     return absl::UnavailableError(absl::StrCat("can't listen on ", config.listen, "; is the port taken?"));
   }
   const bool has_port = config.listen.rfind("unix", 0) != 0;
-  server->address_ = has_port ? absl::StrCat(config.listen.substr(0, config.listen.rfind(':')), ":", port) : config.listen;
+  server->address_ =
+      has_port ? absl::StrCat(config.listen.substr(0, config.listen.rfind(':')), ":", port) : config.listen;
   return server;
 }
 

@@ -46,7 +46,8 @@ class Server {
 //   auto stub = v1::MeshfrontService::NewStub(local->channel());
 class InProcess {
  public:
-  // For one caller in the same process: no log, no queue limit to speak of, and a reader may stand still as long as it likes.
+  // For one caller in the same process: no log, no queue limit to speak of, and a reader may stand still as long as it
+  // likes.
   static ServerConfig DefaultConfig();
   static absl::StatusOr<std::unique_ptr<InProcess>> Start(const ServerConfig& config = DefaultConfig(),
                                                           Engine engine = CoreEngine());

@@ -30,7 +30,8 @@ grpc::ServerReadReactor<v1::EstimateRequest>* Service::Estimate(grpc::CallbackSe
   return new EstimateReactor(state_, *context, response);
 }
 
-grpc::ServerUnaryReactor* Service::GetCapabilities(grpc::CallbackServerContext* context, const v1::GetCapabilitiesRequest*,
+grpc::ServerUnaryReactor* Service::GetCapabilities(grpc::CallbackServerContext* context,
+                                                   const v1::GetCapabilitiesRequest*,
                                                    v1::GetCapabilitiesResponse* response) {
   *response = CapabilitiesOf(state_.config);
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();

@@ -26,7 +26,8 @@ class Service final : public v1::MeshfrontService::CallbackService {
   grpc::ServerBidiReactor<v1::RemeshRequest, v1::RemeshResponse>* Remesh(grpc::CallbackServerContext* context) override;
   grpc::ServerReadReactor<v1::EstimateRequest>* Estimate(grpc::CallbackServerContext* context,
                                                          v1::EstimateResponse* response) override;
-  grpc::ServerUnaryReactor* GetCapabilities(grpc::CallbackServerContext* context, const v1::GetCapabilitiesRequest* request,
+  grpc::ServerUnaryReactor* GetCapabilities(grpc::CallbackServerContext* context,
+                                            const v1::GetCapabilitiesRequest* request,
                                             v1::GetCapabilitiesResponse* response) override;
 
  private:

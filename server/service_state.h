@@ -17,8 +17,12 @@ namespace meshfront {
 
 struct ServiceState {
   ServiceState(const ServerConfig& config, Engine engine, std::unique_ptr<JobLog> log)
-      : config(config), engine(std::move(engine)), log(std::move(log)), pending(config.limits.max_pending_bytes),
-        watch(config.stall_timeout), pool(config.Workers(), config.max_queue) {}
+      : config(config),
+        engine(std::move(engine)),
+        log(std::move(log)),
+        pending(config.limits.max_pending_bytes),
+        watch(config.stall_timeout),
+        pool(config.Workers(), config.max_queue) {}
 
   // "j-" and a number that begins anew with each server, after what tells servers apart.
   std::string NewJobId();

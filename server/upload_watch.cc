@@ -57,8 +57,9 @@ void UploadWatch::Watch() {
     }
     lock.unlock();  // closing a call may come back here, to Remove
     for (const std::shared_ptr<EventStream>& events : stalled) {
-      events->Close(WithReason(absl::AbortedError(absl::StrCat("the upload stood still for ", absl::FormatDuration(timeout_))),
-                               "UPLOAD_STALLED"));
+      events->Close(
+          WithReason(absl::AbortedError(absl::StrCat("the upload stood still for ", absl::FormatDuration(timeout_))),
+                     "UPLOAD_STALLED"));
     }
     stalled.clear();
     lock.lock();

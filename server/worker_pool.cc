@@ -26,10 +26,11 @@ absl::Status WorkerPool::CheckRoomLocked() const {
   // Idle workers will take as many of the queue at once.
   if (queue_.size() < max_queue_ + (workers_ - running_)) return absl::OkStatus();
   const absl::Duration delay = absl::Seconds(1) + absl::Milliseconds(250) * static_cast<double>(queue_.size());
-  return WithRetry(WithReason(absl::ResourceExhaustedError(absl::StrCat(
-                                  "all ", workers_, " workers are busy and ", queue_.size(), " jobs wait; try again later")),
-                              "QUEUE_FULL", {{"queued", absl::StrCat(queue_.size())}, {"limit", absl::StrCat(max_queue_)}}),
-                   std::min(delay, absl::Seconds(30)));
+  return WithRetry(
+      WithReason(absl::ResourceExhaustedError(absl::StrCat("all ", workers_, " workers are busy and ", queue_.size(),
+                                                           " jobs wait; try again later")),
+                 "QUEUE_FULL", {{"queued", absl::StrCat(queue_.size())}, {"limit", absl::StrCat(max_queue_)}}),
+      std::min(delay, absl::Seconds(30)));
 }
 
 absl::Status WorkerPool::CheckRoom() const {

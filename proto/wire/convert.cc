@@ -1,4 +1,5 @@
-// Options between the wire and core. To add an option: a line in ToCore, one in OptionsToProto, and its path out of kNotYet.
+// Options between the wire and core. To add an option: a line in ToCore, one in OptionsToProto, and its path out of
+// kNotYet.
 #include "proto/wire/convert.h"
 
 #include <google/protobuf/descriptor.h>
@@ -45,7 +46,8 @@ absl::Status CheckEnums(const v1::RemeshOptions& o) {
     return absl::InvalidArgumentError(absl::StrCat("options.sizing is ", o.sizing(), "; it must be a value of Sizing"));
   }
   if (!v1::SurfaceType_IsValid(o.surface())) {
-    return absl::InvalidArgumentError(absl::StrCat("options.surface is ", o.surface(), "; it must be a value of SurfaceType"));
+    return absl::InvalidArgumentError(
+        absl::StrCat("options.surface is ", o.surface(), "; it must be a value of SurfaceType"));
   }
   if (!v1::AttributePolicy_IsValid(o.attributes())) {
     return absl::InvalidArgumentError(
@@ -146,14 +148,14 @@ std::vector<std::string> SupportedOptions() {
 absl::StatusOr<v1::ScalarType> ResolveScalarType(v1::ScalarType type, v1::ScalarType unset, absl::string_view field) {
   if (type == v1::SCALAR_TYPE_UNSPECIFIED) return unset;
   if (v1::ScalarType_IsValid(type)) return type;
-  return absl::InvalidArgumentError(absl::StrCat(field, " is ", static_cast<int>(type), "; it must be a value of ScalarType"));
+  return absl::InvalidArgumentError(
+      absl::StrCat(field, " is ", static_cast<int>(type), "; it must be a value of ScalarType"));
 }
 
 absl::StatusOr<v1::OutputFormat> NormalizeOutput(const v1::OutputFormat& output) {
   v1::OutputFormat full = output;
-  MESHFRONT_ASSIGN_OR_RETURN(
-      const v1::ScalarType scalar,
-      ResolveScalarType(output.scalar_type(), v1::SCALAR_TYPE_FLOAT32, "output.scalar_type"));
+  MESHFRONT_ASSIGN_OR_RETURN(const v1::ScalarType scalar,
+                             ResolveScalarType(output.scalar_type(), v1::SCALAR_TYPE_FLOAT32, "output.scalar_type"));
   full.set_scalar_type(scalar);
   full.set_chunk_bytes(output.has_chunk_bytes() ? output.chunk_bytes() : kDefaultChunkBytes);
   if (full.chunk_bytes() < kMinChunkBytes || full.chunk_bytes() > kMaxChunkBytes) {

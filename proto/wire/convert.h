@@ -16,8 +16,8 @@ namespace meshfront {
 inline constexpr int kMaxListedOpenPlaces = 1000;
 inline constexpr int kMaxListedDefects = 100;
 
-// The options in core's terms, defaults filled in. InvalidArgument, beginning with the field's path: a value out of its range, a
-// contradiction, or an option that is not supported yet ("options.max_error is not supported yet").
+// The options in core's terms, defaults filled in. InvalidArgument, beginning with the field's path: a value out of
+// its range, a contradiction, or an option that is not supported yet ("options.max_error is not supported yet").
 absl::StatusOr<RemeshOptions> OptionsFromProto(const v1::RemeshOptions& proto);
 // Everything set that has a value; what is off or not supported says so.
 v1::RemeshOptions OptionsToProto(const RemeshOptions& options);
@@ -37,7 +37,8 @@ v1::Defect DefectToProto(const Defect& defect);
 
 // All that core knows; the server adds upload, queue, chunks, memory and version.
 v1::Summary SummaryFromReport(const Report& report);
-// The way back, for what the client prints. Nothing that core knows is lost but open places beyond kMaxListedOpenPlaces.
+// The way back, for what the client prints. Nothing that core knows is lost but open places beyond
+// kMaxListedOpenPlaces.
 Report ReportFromSummary(const v1::Summary& summary);
 v1::EstimateResponse EstimateToProto(const Estimate& estimate);
 

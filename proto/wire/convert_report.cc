@@ -144,7 +144,8 @@ InputReport InputFromProto(const v1::InputSummary& proto) {
 ParametersInForce ParametersFromProto(const v1::ParametersInForce& proto) {
   ParametersInForce parameters;
   // What a server had in force is valid; one of a later version may have options that this client does not know.
-  if (absl::StatusOr<RemeshOptions> options = OptionsFromProto(proto.options()); options.ok()) parameters.options = *options;
+  if (absl::StatusOr<RemeshOptions> options = OptionsFromProto(proto.options()); options.ok())
+    parameters.options = *options;
   parameters.min_edge = proto.min_edge();
   parameters.max_edge = proto.max_edge();
   parameters.clamped_samples = proto.clamped_samples();

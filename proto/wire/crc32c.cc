@@ -11,7 +11,8 @@
 namespace meshfront {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "arrays on the wire are little-endian and copied as they are");
+static_assert(std::endian::native == std::endian::little,
+              "arrays on the wire are little-endian and copied as they are");
 
 constexpr uint32_t kReversedPolynomial = 0x82f63b78;
 

@@ -8,8 +8,8 @@
 
 namespace meshfront {
 
-// CRC-32C of `data` appended to what `crc` is the checksum of; 0 begins. Crc32c("123456789") == 0xe3069283. About 7 GB/s with
-// SSE 4.2, 0.4 GB/s without.
+// CRC-32C of `data` appended to what `crc` is the checksum of; 0 begins. Crc32c("123456789") == 0xe3069283. About 7
+// GB/s with SSE 4.2, 0.4 GB/s without.
 uint32_t Crc32c(absl::string_view data, uint32_t crc = 0);
 // The table-driven version, for processors without the instruction, and to test the other against.
 uint32_t PortableCrc32c(absl::string_view data, uint32_t crc = 0);

@@ -25,16 +25,26 @@ absl::string_view CutUtf8(absl::string_view text, size_t limit) {
 
 absl::string_view DefaultReason(absl::StatusCode code) {
   switch (code) {
-    case absl::StatusCode::kInvalidArgument: return "INVALID_REQUEST";
-    case absl::StatusCode::kFailedPrecondition: return "INPUT_NOT_MESHABLE";
-    case absl::StatusCode::kResourceExhausted: return "LIMIT_EXCEEDED";
-    case absl::StatusCode::kUnavailable: return "UNAVAILABLE";
-    case absl::StatusCode::kDataLoss: return "CHECKSUM_MISMATCH";
-    case absl::StatusCode::kAborted: return "READER_STALLED";
-    case absl::StatusCode::kCancelled: return "CANCELLED";
-    case absl::StatusCode::kDeadlineExceeded: return "DEADLINE_EXCEEDED";
-    case absl::StatusCode::kUnimplemented: return "NOT_SUPPORTED_YET";
-    default: return "INTERNAL";
+    case absl::StatusCode::kInvalidArgument:
+      return "INVALID_REQUEST";
+    case absl::StatusCode::kFailedPrecondition:
+      return "INPUT_NOT_MESHABLE";
+    case absl::StatusCode::kResourceExhausted:
+      return "LIMIT_EXCEEDED";
+    case absl::StatusCode::kUnavailable:
+      return "UNAVAILABLE";
+    case absl::StatusCode::kDataLoss:
+      return "CHECKSUM_MISMATCH";
+    case absl::StatusCode::kAborted:
+      return "READER_STALLED";
+    case absl::StatusCode::kCancelled:
+      return "CANCELLED";
+    case absl::StatusCode::kDeadlineExceeded:
+      return "DEADLINE_EXCEEDED";
+    case absl::StatusCode::kUnimplemented:
+      return "NOT_SUPPORTED_YET";
+    default:
+      return "INTERNAL";
   }
 }
 
@@ -93,7 +103,8 @@ grpc::Status ToGrpcStatus(const absl::Status& status) {
     google::protobuf::Any any;
     any.set_type_url(std::string(url));
     any.set_value(std::string(value));
-    if (details.ByteSizeLong() + any.ByteSizeLong() + 8 <= kMaxErrorDetailsBytes) *details.add_details() = std::move(any);
+    if (details.ByteSizeLong() + any.ByteSizeLong() + 8 <= kMaxErrorDetailsBytes)
+      *details.add_details() = std::move(any);
   });
   return grpc::Status(static_cast<grpc::StatusCode>(full.code()), message, details.SerializeAsString());
 }

@@ -6,17 +6,18 @@
 #include <utility>
 #include <vector>
 
+#include <grpcpp/support/status.h>
 #include "absl/status/status.h"
 #include "absl/strings/string_view.h"
 #include "absl/time/time.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
-#include <grpcpp/support/status.h>
 
 namespace meshfront {
 
 inline constexpr char kErrorDomain[] = "meshfront";
-// A message is cut to this, and the details with the message to the second: base64 and all, below gRPC's 8 KiB of metadata.
+// A message is cut to this, and the details with the message to the second: base64 and all, below gRPC's 8 KiB of
+// metadata.
 inline constexpr size_t kMaxErrorMessageBytes = 1000;
 inline constexpr size_t kMaxErrorDetailsBytes = 3600;
 
@@ -27,8 +28,8 @@ absl::Status WithReason(absl::Status status, absl::string_view reason, const Err
 // The status with a time to wait before trying again; travels as RetryInfo.
 absl::Status WithRetry(absl::Status status, absl::Duration delay);
 
-// Codes map one to one. Adds what is missing of the details: ErrorInfo with a reason by the code, BadRequest with the path that
-// an InvalidArgument message begins with ("options.eta is …"), RetryInfo on Unavailable.
+// Codes map one to one. Adds what is missing of the details: ErrorInfo with a reason by the code, BadRequest with the
+// path that an InvalidArgument message begins with ("options.eta is …"), RetryInfo on Unavailable.
 grpc::Status ToGrpcStatus(const absl::Status& status);
 // The way back, for clients: code and message, details as payloads.
 absl::Status FromGrpcStatus(const grpc::Status& status);

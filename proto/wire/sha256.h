@@ -8,8 +8,8 @@
 
 namespace meshfront {
 
-// Usage: Sha256 hash; hash.Update(a); hash.Update(b); end.set_sha256(hash.Finish()); About 1.5 GB/s where the processor has the
-// instructions. Not thread-safe.
+// Usage: Sha256 hash; hash.Update(a); hash.Update(b); end.set_sha256(hash.Finish()); About 1.5 GB/s where the
+// processor has the instructions. Not thread-safe.
 class Sha256 {
  public:
   Sha256();

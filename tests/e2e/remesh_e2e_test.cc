@@ -3,7 +3,6 @@
 #include <signal.h>
 #include <unistd.h>
 
-
 #include "core/mesh/topology.h"
 #include "google/rpc/error_details.pb.h"
 #include "proto/wire/convert.h"
@@ -16,8 +15,8 @@ namespace {
 
 using testing::Icosphere;
 
-// A sphere as fine as `rho` says. Coarse: some thousand triangles; fine: 10 MB of chunks, more than all buffers between the
-// engine and a reader that stands still.
+// A sphere as fine as `rho` says. Coarse: some thousand triangles; fine: 10 MB of chunks, more than all buffers
+// between the engine and a reader that stands still.
 constexpr double kCoarse = 0.1, kFine = 0.012;
 std::vector<v1::RemeshRequest> SphereRequest(double rho) {
   const TriangleMesh sphere = Icosphere(4);
@@ -117,9 +116,11 @@ TEST(RemeshOverSocket, RefusesAMessageThatIsTooLargeAndGoesOn) {
     messages[1].mutable_block()->set_data(std::string(bytes, 'x'));
     grpc::ClientContext context;
     const Outcome outcome = Remesh(*stub, context, messages);
-    // Beyond what a message may have gRPC itself refuses; a block that is only a little too long gets an answer of ours.
+    // Beyond what a message may have gRPC itself refuses; a block that is only a little too long gets an answer of
+    // ours.
     const bool ours = bytes == kMaxBlockBytes + 1;
-    EXPECT_EQ(outcome.status.error_code(), ours ? grpc::StatusCode::INVALID_ARGUMENT : grpc::StatusCode::RESOURCE_EXHAUSTED);
+    EXPECT_EQ(outcome.status.error_code(),
+              ours ? grpc::StatusCode::INVALID_ARGUMENT : grpc::StatusCode::RESOURCE_EXHAUSTED);
     EXPECT_EQ(outcome.status.error_message().find("block.data") == 0, ours);
   }
   grpc::ClientContext next;
@@ -172,7 +173,8 @@ TEST(RemeshOverSocket, TellsDamagedBlocksAndUploadsFromBadOnes) {
 
 TEST(RemeshOverSocket, FreesTheWorkerOfACallerThatVanished) {
   ServerProcess server({"--workers", "1"});
-  // A caller in a process of its own, killed in the middle: this test's executable again, so that no gRPC state is forked.
+  // A caller in a process of its own, killed in the middle: this test's executable again, so that no gRPC state is
+  // forked.
   char self[4096] = {};
   ASSERT_GT(readlink("/proc/self/exe", self, sizeof self - 1), 0);
   ChildProcess caller({self, "--gtest_also_run_disabled_tests", "--gtest_filter=*DISABLED_CallsUntilItIsKilled"},

@@ -16,10 +16,10 @@
 namespace meshfront {
 namespace {
 
-using ::testing::Contains;
 using grpc::health::v1::Health;
 using grpc::health::v1::HealthCheckRequest;
 using grpc::health::v1::HealthCheckResponse;
+using ::testing::Contains;
 
 // A job of 10 MB of chunks, which runs as long as nobody reads it.
 std::vector<v1::RemeshRequest> LongRequest() {

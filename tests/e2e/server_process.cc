@@ -1,7 +1,7 @@
 #include "tests/e2e/server_process.h"
 
-#include <gtest/gtest.h>
 #include <fcntl.h>
+#include <gtest/gtest.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -205,7 +205,8 @@ void ReadToEnd(RemeshStream& stream, Outcome& outcome) {
   outcome.status = stream.Finish();
 }
 
-Outcome Remesh(v1::MeshfrontService::Stub& stub, grpc::ClientContext& context, const std::vector<v1::RemeshRequest>& messages) {
+Outcome Remesh(v1::MeshfrontService::Stub& stub, grpc::ClientContext& context,
+               const std::vector<v1::RemeshRequest>& messages) {
   const std::unique_ptr<RemeshStream> stream = stub.Remesh(&context);
   Send(*stream, messages);
   Outcome outcome;

@@ -80,7 +80,8 @@ struct Outcome {
 // Reads one event into the outcome; false at the end.
 bool ReadEvent(RemeshStream& stream, Outcome& outcome);
 void ReadToEnd(RemeshStream& stream, Outcome& outcome);
-Outcome Remesh(v1::MeshfrontService::Stub& stub, grpc::ClientContext& context, const std::vector<v1::RemeshRequest>& messages);
+Outcome Remesh(v1::MeshfrontService::Stub& stub, grpc::ClientContext& context,
+               const std::vector<v1::RemeshRequest>& messages);
 
 }  // namespace meshfront
 

@@ -38,7 +38,9 @@ std::vector<v1::Chunk> ChunksOfStrip(uint64_t triangles, const v1::OutputFormat&
   return std::move(sink.chunks);
 }
 
-size_t BytesOf(const v1::Chunk& chunk) { return chunk.positions().size() + chunk.normals().size() + chunk.indices().size(); }
+size_t BytesOf(const v1::Chunk& chunk) {
+  return chunk.positions().size() + chunk.normals().size() + chunk.indices().size();
+}
 
 TEST(ChunkBuilder, ConcatenatesToTheMesh) {
   const std::vector<v1::Chunk> chunks = ChunksOfStrip(20'000, Output(kMinChunkBytes, /*doubles=*/true));
@@ -75,7 +77,9 @@ TEST(ChunkBuilder, GrowsFromFourKibibytesToTheSizeAskedFor) {
   EXPECT_NEAR(BytesOf(chunks[chunks.size() - 2]), 128 << 10, 24);
 }
 
-TEST(ChunkBuilder, SendsASmallMeshInSeveralPiecesToo) { EXPECT_GE(ChunksOfStrip(16'000, Output(128 << 10)).size(), 10u); }
+TEST(ChunkBuilder, SendsASmallMeshInSeveralPiecesToo) {
+  EXPECT_GE(ChunksOfStrip(16'000, Output(128 << 10)).size(), 10u);
+}
 
 TEST(ChunkBuilder, ChecksumsEveryChunkAndAllOfThem) {
   BuilderSink sink(Output(kMinChunkBytes));
@@ -112,7 +116,6 @@ TEST(ChunkBuilder, StopsWithTheErrorOfItsReceiver) {
   const std::vector<OutputVertex> vertices(1000);
   EXPECT_EQ(builder.Add({vertices, {}, {}, 0}).code(), absl::StatusCode::kCancelled);
 }
-
 
 }  // namespace
 }  // namespace meshfront

@@ -53,9 +53,8 @@ absl::StatusOr<Report> EmitStrip(uint64_t triangles, MeshSink& sink, const Conte
 }
 
 Engine StripEngine(uint64_t triangles) {
-  return {.remesh = [triangles](Problem, MeshSink& sink, const Context& context) {
-            return EmitStrip(triangles, sink, context);
-          },
+  return {.remesh = [triangles](Problem, MeshSink& sink,
+                                const Context& context) { return EmitStrip(triangles, sink, context); },
           .estimate = [triangles](Problem, const Context&) -> absl::StatusOr<Estimate> {
             Estimate estimate;
             estimate.predicted_triangles = triangles;
@@ -71,8 +70,9 @@ Engine EndlessEngine(std::shared_ptr<Signal> started, std::shared_ptr<Signal> st
     stopped->Set();
     return status;
   };
-  return {.remesh = [run](Problem, MeshSink&, const Context& context) -> absl::StatusOr<Report> { return run(context); },
-          .estimate = [run](Problem, const Context& context) -> absl::StatusOr<Estimate> { return run(context); }};
+  return {
+      .remesh = [run](Problem, MeshSink&, const Context& context) -> absl::StatusOr<Report> { return run(context); },
+      .estimate = [run](Problem, const Context& context) -> absl::StatusOr<Estimate> { return run(context); }};
 }
 
 v1::DataBlock Block(v1::Array array, uint64_t offset, const std::string& data) {
@@ -127,7 +127,8 @@ Outcome ReadToEnd(RemeshStream& stream) {
   return outcome;
 }
 
-Outcome Exchange(v1::MeshfrontService::Stub& stub, grpc::ClientContext& context, const std::vector<v1::RemeshRequest>& messages) {
+Outcome Exchange(v1::MeshfrontService::Stub& stub, grpc::ClientContext& context,
+                 const std::vector<v1::RemeshRequest>& messages) {
   const std::unique_ptr<RemeshStream> stream = stub.Remesh(&context);
   Send(*stream, messages);
   return ReadToEnd(*stream);

@@ -55,7 +55,8 @@ struct Outcome {
   std::string reason() const;  // of ErrorInfo
 };
 // Writes the messages, closes, reads to the end.
-Outcome Exchange(v1::MeshfrontService::Stub& stub, grpc::ClientContext& context, const std::vector<v1::RemeshRequest>& messages);
+Outcome Exchange(v1::MeshfrontService::Stub& stub, grpc::ClientContext& context,
+                 const std::vector<v1::RemeshRequest>& messages);
 // Writes the messages and closes; stops early when the call has ended.
 void Send(RemeshStream& stream, const std::vector<v1::RemeshRequest>& messages);
 // Reads what is left, to the end.

@@ -90,9 +90,12 @@ TEST(InputAssembler, RefusesAHeaderThatSaysNothingOrTooMuch) {
       {[](v1::Header& h) { h.mutable_mesh()->set_vertex_count(0); }, Code::kInvalidArgument, "mesh.vertex_count"},
       {[](v1::Header& h) { h.mutable_mesh()->set_triangle_count(0); }, Code::kInvalidArgument, "mesh.triangle_count"},
       {[](v1::Header& h) { h.mutable_mesh()->set_vertex_count(~0ull); }, Code::kResourceExhausted, "mesh.vertex_count"},
-      {[](v1::Header& h) { h.mutable_mesh()->set_triangle_count(~0ull / 12); }, Code::kResourceExhausted, "mesh.triangle_count"},
-      {[](v1::Header& h) { h.mutable_mesh()->set_vertex_count(190'000'000); }, Code::kResourceExhausted, "header.input"},
-      {[](v1::Header& h) { h.mutable_file()->set_size_bytes(1ull << 40); }, Code::kResourceExhausted, "file.size_bytes"},
+      {[](v1::Header& h) { h.mutable_mesh()->set_triangle_count(~0ull / 12); }, Code::kResourceExhausted,
+       "mesh.triangle_count"},
+      {[](v1::Header& h) { h.mutable_mesh()->set_vertex_count(190'000'000); }, Code::kResourceExhausted,
+       "header.input"},
+      {[](v1::Header& h) { h.mutable_file()->set_size_bytes(1ull << 40); }, Code::kResourceExhausted,
+       "file.size_bytes"},
       {[](v1::Header& h) { h.mutable_file()->set_size_bytes(9); }, Code::kInvalidArgument, "file.format"},
       {[](v1::Header& h) { h.set_request_id("a\nb"); }, Code::kInvalidArgument, "request_id"},
       {[](v1::Header& h) { h.set_request_id(std::string(129, 'a')); }, Code::kInvalidArgument, "request_id"},
@@ -136,7 +139,8 @@ TEST(InputAssembler, RefusesABlockBeyondOneMebibyte) {
   header.mutable_mesh()->set_vertex_count(1'000'000);
   Started s(header);
   EXPECT_TRUE(s.assembler.Accept(Block(v1::ARRAY_POSITIONS, 0, std::string(kMaxBlockBytes, 'x'))).ok());
-  const absl::Status status = s.assembler.Accept(Block(v1::ARRAY_POSITIONS, kMaxBlockBytes, std::string(kMaxBlockBytes + 1, 'x')));
+  const absl::Status status =
+      s.assembler.Accept(Block(v1::ARRAY_POSITIONS, kMaxBlockBytes, std::string(kMaxBlockBytes + 1, 'x')));
   EXPECT_EQ(FieldPathOf(status.message()), "block.data");
 }
 

@@ -96,7 +96,8 @@ TEST(UploadWatch, AbortsACallThatSendsNothing) {
 }
 
 TEST(IsLoopback, KnowsWhatOtherMachinesReach) {
-  for (const char* here : {"127.0.0.1:0", "127.8.9.1:5", "localhost:1", "[::1]:50051", "unix:/tmp/x"}) EXPECT_TRUE(IsLoopback(here)) << here;
+  for (const char* here : {"127.0.0.1:0", "127.8.9.1:5", "localhost:1", "[::1]:50051", "unix:/tmp/x"})
+    EXPECT_TRUE(IsLoopback(here)) << here;
   for (const char* there : {"0.0.0.0:1", "[::]:1", "10.0.0.1:1", "127.evil.example:1", "example.org:1", ":50051"}) {
     EXPECT_FALSE(IsLoopback(there)) << there;
   }

@@ -174,7 +174,8 @@ TEST(ToGrpcStatus, MapsEveryCodeToTheOneOfTheSameNumber) {
 }
 
 TEST(ToGrpcStatus, NamesTheFieldOfABadOption) {
-  const google::rpc::Status details = DetailsOf(ToGrpcStatus(absl::InvalidArgumentError("options.eta is 3; it must be in (1, 2)")));
+  const google::rpc::Status details =
+      DetailsOf(ToGrpcStatus(absl::InvalidArgumentError("options.eta is 3; it must be in (1, 2)")));
   google::rpc::BadRequest bad;
   bool found = false;
   for (const google::protobuf::Any& any : details.details()) found |= any.UnpackTo(&bad);
@@ -211,7 +212,8 @@ TEST(ToGrpcStatus, StaysBelowEightKibibytesWhateverItIsGiven) {
   for (int i = 0; i < 20000; ++i) huge += "π";
   ErrorMetadata metadata;
   for (int i = 0; i < 100; ++i) metadata.emplace_back("key" + std::to_string(i), huge);
-  const grpc::Status wire = ToGrpcStatus(WithReason(absl::InvalidArgumentError("options.eta " + huge), "BAD", metadata));
+  const grpc::Status wire =
+      ToGrpcStatus(WithReason(absl::InvalidArgumentError("options.eta " + huge), "BAD", metadata));
   // A byte that is not ASCII takes three in the message's trailer; the details are in base64.
   EXPECT_LT(3 * wire.error_message().size() + wire.error_details().size() * 4 / 3, 8192u);
   EXPECT_EQ(wire.error_message().size() % 2, 0u) << "cut inside a character";
