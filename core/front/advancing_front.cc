@@ -98,8 +98,10 @@ class AdvancingFront {
   bool CloseLoop(const std::vector<FrontEdgeId>& loop, const Strictness& strictness);
   bool RollBackLoop(const std::vector<FrontEdgeId>& loop);
   bool RollBack(std::vector<WindowVertexId> around, int rings);
+  void SeedAgain(const SourcePoint& seed, uint32_t label);
   void Abandon(const std::vector<FrontEdgeId>& loop);
   void ReportProgress();
+  void ReportOpenLoops(FrontReport& report) const;
   FrontReport Summarise() const;
 
   uint32_t NewOrigin() { return labels_.emplace_back(static_cast<uint32_t>(labels_.size())); }
@@ -133,8 +135,8 @@ class AdvancingFront {
   uint64_t peak_front_edges_ = 0, roll_backs_ = 0;
   uint64_t rim_edges_ = 0, rim_loops_ = 0;
   std::vector<uint32_t> labels_;      // union-find over the origins of the fronts: counts the components
-  std::vector<Vec3> open_places_;
-  size_t open_edges_ = 0;
+  size_t lost_components_ = 0;
+  std::vector<Vec3> open_places_;     // seeds without a triangle; the loops that stay open are found at the end
 };
 
 WindowVertexId AdvancingFront::NewVertex(const SourcePoint& source, uint32_t origin) {
@@ -462,13 +464,21 @@ bool AdvancingFront::RollBack(std::vector<WindowVertexId> around, int rings) {
     for (const WindowVertexId v : next) reached[v.index()] = true;
   }
   if (removed.empty()) return false;
+  const bool whole = std::none_of(removed.begin(), removed.end(), [&](WindowTriangleId t) {
+    const auto& across = fronts_.at(t).across;
+    return std::any_of(across.begin(), across.end(), [&](Link l) {
+      return !l.is_front() && !(l.is_half_edge() && doomed[l.triangle().index()]);
+    });
+  });
+  const SourcePoint place = fronts_.at(around[0]).source;
+  const uint32_t label = RootOf(fronts_.at(around[0]).origin);
   for (const WindowTriangleId t : removed) {
     for (const Link across : fronts_.at(t).across) {
       if (across.is_front()) Farewell(across.front());
     }
   }
   const std::vector<FrontEdgeId> made = fronts_.Remove(removed);
-  if (made.empty() && fronts_.front_edge_count() == 0) return false;
+  if (whole) SeedAgain(place, label);  // nothing is left of the component
   for (const FrontEdgeId e : made) {
     WindowVertex& from = fronts_.at(fronts_.From(e));
     from.position = from.source.position;  // fronts stand on the surface
@@ -489,14 +499,35 @@ bool AdvancingFront::RollBack(std::vector<WindowVertexId> around, int rings) {
   return true;
 }
 
+void AdvancingFront::SeedAgain(const SourcePoint& seed, uint32_t label) {
+  const size_t labels = labels_.size();
+  AddSeed(seed);
+  if (labels_.size() > labels) labels_[label] = static_cast<uint32_t>(labels);
+  else ++lost_components_;
+}
+
 void AdvancingFront::Abandon(const std::vector<FrontEdgeId>& loop) {
-  Vec3 middle;
-  for (const FrontEdgeId e : loop) {
-    StateOf(e).abandoned = true;
-    middle += fronts_.at(fronts_.From(e)).position / static_cast<double>(loop.size());
+  for (const FrontEdgeId e : loop) StateOf(e).abandoned = true;
+}
+
+// What is open at the end, rather than what was abandoned: another front may have reached an abandoned loop since.
+void AdvancingFront::ReportOpenLoops(FrontReport& report) const {
+  std::vector<bool> seen(fronts_.edge_slots(), false);
+  for (uint32_t i = 0; i < seen.size(); ++i) {
+    if (seen[i] || !fronts_.at(FrontEdgeId(i)).alive) continue;
+    const std::vector<FrontEdgeId> loop = LoopOf(FrontEdgeId(i));
+    Vec3 middle;
+    size_t bare = 0;  // edges of the rim that no triangle covers
+    for (const FrontEdgeId e : loop) {
+      seen[e.index()] = true;
+      middle += fronts_.at(fronts_.From(e)).position / static_cast<double>(loop.size());
+      bare += fronts_.at(e).owner.is_rim();
+    }
+    report.open_places.push_back(middle);
+    report.boundary_edges += loop.size() - 2 * bare;
+    if (bare == 0) ++report.boundary_loops;
+    if (bare == loop.size()) --report.boundary_loops;
   }
-  open_edges_ += loop.size();
-  open_places_.push_back(middle);
 }
 
 void AdvancingFront::ReportProgress() {
@@ -523,6 +554,7 @@ absl::Status AdvancingFront::Settle(bool everything) {
     window_.GiveUp(t);
   }
   if (taken_back && everything) return absl::OkStatus();  // the caller advances and settles again
+  if (taken_back) window_.MeasureDepth();  // fronts are back where none was
   MESHFRONT_RETURN_IF_ERROR(context_.CheckStop());
   MESHFRONT_RETURN_IF_ERROR(window_.Emit(everything));
   window_after_settling_ = fronts_.triangle_count();
@@ -543,11 +575,13 @@ FrontReport AdvancingFront::Summarise() const {
   report.roll_backs = roll_backs_;
   report.longest_edge = counts.longest_edge;
   report.quality = counts.quality.Report();
+  report.boundary_edges = rim_edges_;
+  report.boundary_loops = rim_loops_;
   report.open_places = open_places_;
+  ReportOpenLoops(report);
   report.open_places.insert(report.open_places.end(), window_.faults().begin(), window_.faults().end());
   for (uint32_t i = 0; i < labels_.size(); ++i) report.components += labels_[i] == i;
-  report.boundary_edges = rim_edges_ + open_edges_;
-  report.boundary_loops = rim_loops_ + open_places_.size();
+  report.components -= lost_components_;
   for (int i = 0; i < kVerdicts; ++i) {
     report.refusals.push_back({std::string(VerdictName(static_cast<Verdict>(i))), proposer_.counts()[i]});
   }
@@ -564,7 +598,7 @@ absl::StatusOr<FrontReport> AdvancingFront::Run(const std::vector<OrientedLoop>&
       if (fronts_.triangle_count() >= 2 * window_after_settling_ + kMinSettleBatch) MESHFRONT_RETURN_IF_ERROR(Settle(false));
     }
     MESHFRONT_RETURN_IF_ERROR(Settle(true));
-  } while (fronts_.triangle_count() > 0);
+  } while (fronts_.triangle_count() > 0 || !waiting_.empty());  // the last look may have taken everything back to the rims
   return Summarise();
 }
 

@@ -43,11 +43,13 @@ class SettlingWindow {
   void GiveUp(WindowTriangleId triangle) { fronts_.at(triangle).tries = 255; }
   const SettledCounts& counts() const { return counts_; }
 
+  // Rings between each vertex and the nearest front; Improve begins with it. Again before Emit when fronts have retreated since.
+  void MeasureDepth();
+
   static constexpr uint32_t kMoveDepth = 3;
   static constexpr uint32_t kEmitDepth = 6;
 
  private:
-  void MeasureDepth();
   bool IsMovable(const WindowVertex& v) const;
   void FlipSweep();
   bool TryFlip(Link half_edge);
