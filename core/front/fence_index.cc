@@ -59,7 +59,7 @@ double ClockwiseTurn(const Vec3& normal, const Vec3& from, const Vec3& to) {
   return turn < 4 ? turn : 0;
 }
 
-FenceIndex::FenceIndex(const FrontSet& fronts) : fronts_(&fronts), buckets_(1024, kNone), level_count_(kLevels, 0) {}
+FenceIndex::FenceIndex(const FrontSet& fronts) : fronts_(&fronts), buckets_(1024, kNone), members_(kLevels) {}
 
 uint64_t FenceIndex::CellOf(int level, int64_t x, int64_t y, int64_t z) const {
   uint64_t h = static_cast<uint64_t>(x) * 0x9e3779b97f4a7c15ull;
@@ -100,9 +100,11 @@ void FenceIndex::Insert(FrontEdgeId edge) {
   s.level = std::clamp((length > 0 ? std::ilogb(length) : -1074) + kLevelOffset, 0, kLevels - 1);
   const double size = CellSize(s.level);
   s.cell = CellOf(s.level, CellCoordinate(s.middle.x, size), CellCoordinate(s.middle.y, size), CellCoordinate(s.middle.z, size));
-  if (level_count_[s.level]++ == 0) {
+  if (members_[s.level].empty()) {
     levels_in_use_.insert(std::lower_bound(levels_in_use_.begin(), levels_in_use_.end(), s.level), s.level);
   }
+  s.place = static_cast<uint32_t>(members_[s.level].size());
+  members_[s.level].push_back(edge.index());
   if (++count_ > buckets_.size()) Rehash();
   else LinkSlot(edge.index());
 }
@@ -114,7 +116,11 @@ void FenceIndex::Erase(FrontEdgeId edge) {
   else Bucket(s.cell) = s.next;
   if (s.next != kNone) slots_[s.next].prev = s.prev;
   --count_;
-  if (--level_count_[s.level] == 0) {
+  std::vector<uint32_t>& members = members_[s.level];
+  slots_[members.back()].place = s.place;
+  members[s.place] = members.back();
+  members.pop_back();
+  if (members.empty()) {
     levels_in_use_.erase(std::lower_bound(levels_in_use_.begin(), levels_in_use_.end(), s.level));
   }
   s.level = -1;
@@ -134,10 +140,8 @@ void FenceIndex::Query(const Vec3& center, double radius, std::vector<FrontEdgeI
       const double r = radius + slots_[i].half_length;
       if (SquaredDistance(slots_[i].middle, center) <= r * r) found.push_back(FrontEdgeId(i));
     };
-    if (cells > 4.0 * level_count_[level] + 64) {  // a wide look among few short edges
-      for (uint32_t i = 0; i < slots_.size(); ++i) {
-        if (slots_[i].level == level) consider(i);
-      }
+    if (cells >= static_cast<double>(members_[level].size())) {
+      for (const uint32_t i : members_[level]) consider(i);
       continue;
     }
     for (int64_t x = low[0]; x <= high[0]; ++x) {

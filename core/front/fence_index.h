@@ -61,6 +61,7 @@ class FenceIndex {
     uint64_t cell = 0;
     uint32_t next = kNone, prev = kNone;
     int level = -1;  // −1: not in the index
+    uint32_t place = 0;  // among the members of its level
   };
   static constexpr uint32_t kNone = 0xffffffffu;
   static constexpr int kLevels = 2100;  // every exponent a double has
@@ -74,7 +75,7 @@ class FenceIndex {
   std::vector<Slot> slots_;
   std::vector<Fence> fences_;
   std::vector<uint32_t> buckets_;
-  std::vector<uint32_t> level_count_;
+  std::vector<std::vector<uint32_t>> members_;  // by level: short lists are looked through instead of cells
   std::vector<int> levels_in_use_;
   size_t count_ = 0;
 };
