@@ -43,8 +43,10 @@ constexpr size_t kMinSettleBatch = 3000;        // triangles, before the window 
 constexpr int kMaxLoopToTriangulate = 64;       // edges; the triangulation is cubic
 constexpr double kRollBackLength = 0.7;         // of g, where the front has to advance again
 constexpr size_t kMaxRollBacksAtAPlace = 3;
-constexpr size_t kMaxRollBacks = 2000;
+constexpr size_t kMaxRollBacks = 500;
 constexpr int kRollBackRings = 2;
+constexpr double kRollBackReach = 4.0;           // edge lengths around a place that count as the same place
+constexpr double kOwnIntersectionReach = 1.5;    // edge lengths around a fault in which the surface may meet itself
 constexpr double kDihedralPenalty = 4.0;        // weight of a fold in a closure, against one mean squared edge
 
 struct EdgeRef {
@@ -437,9 +439,9 @@ bool AdvancingFront::RollBackLoop(const std::vector<FrontEdgeId>& loop) {
     around.push_back(fronts_.From(e));
   }
   if (roll_backs_ >= kMaxRollBacks) return false;
-  const size_t before = field_.RefinementsNear(middle, 3 * length);
+  const size_t before = field_.RefinementsNear(middle);
   if (before >= kMaxRollBacksAtAPlace) return false;
-  field_.Refine(middle, kRollBackLength * field_.At(middle));
+  field_.Refine(middle, kRollBackLength * field_.At(middle), kRollBackReach * length);
   return RollBack(std::move(around), kRollBackRings + static_cast<int>(before));
 }
 
@@ -543,9 +545,13 @@ absl::Status AdvancingFront::Settle(bool everything) {
     const WindowVertex& v = fronts_.at(corners[0]);
     const Vec3 place = v.position;
     const double length = v.length;
-    const size_t before = field_.RefinementsNear(place, 3 * length);
+    if (surface_.MeetsItselfNear(place, kOwnIntersectionReach * length)) {
+      window_.Excuse(t);
+      continue;
+    }
+    const size_t before = field_.RefinementsNear(place);
     if (before < kMaxRollBacksAtAPlace && roll_backs_ < kMaxRollBacks) {
-      field_.Refine(place, kRollBackLength * field_.At(place));
+      field_.Refine(place, kRollBackLength * field_.At(place), kRollBackReach * length);
       if (RollBack(corners, 1 + static_cast<int>(before))) {
         taken_back = true;
         continue;

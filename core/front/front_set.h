@@ -60,12 +60,15 @@ struct WindowVertex {
   bool frozen() const { return emitted.valid(); }
 };
 
+// What the audit before settling decided of a triangle that intersects another.
+enum class AuditMark : uint8_t { kNone, kExcused, kFault };
+
 // Counter-clockwise seen from outside; side i runs from corner i to corner i + 1.
 struct WindowTriangle {
   std::array<WindowVertexId, 3> corners;
   std::array<Link, 3> across;
   TriangleKind kind = TriangleKind::kFree;
-  uint8_t tries = 0;     // how often the audit sent its place back
+  AuditMark audit = AuditMark::kNone;
   bool alive = false;
 };
 

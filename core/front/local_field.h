@@ -18,18 +18,23 @@ class LocalField {
     for (const SizingSample& s : cones_) g = std::min(g, GradedLength(Distance(s.position, x), s.ideal_length, field_->eta()));
     return std::max(g, field_->options().min_length);
   }
-  // From now on g(place) ≤ length.
-  void Refine(const Vec3& place, double length) { cones_.push_back({place, length * field_->eta()}); }
-  // How often the surroundings of `place` were refined.
-  size_t RefinementsNear(const Vec3& place, double radius) const {
-    return std::count_if(cones_.begin(), cones_.end(),
-                         [&](const SizingSample& s) { return SquaredDistance(s.position, place) <= radius * radius; });
+  // From now on g(place) ≤ length. The surroundings of the place are what lies within `reach`.
+  void Refine(const Vec3& place, double length, double reach) {
+    cones_.push_back({place, length * field_->eta()});
+    reaches_.push_back(reach);
+  }
+  // How many refinements have `place` in their surroundings.
+  size_t RefinementsNear(const Vec3& place) const {
+    size_t count = 0;
+    for (size_t i = 0; i < cones_.size(); ++i) count += SquaredDistance(cones_[i].position, place) <= reaches_[i] * reaches_[i];
+    return count;
   }
   size_t refinements() const { return cones_.size(); }
 
  private:
   const GuidanceField* field_;
   std::vector<SizingSample> cones_;
+  std::vector<double> reaches_;
 };
 
 }  // namespace meshfront

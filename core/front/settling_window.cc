@@ -281,8 +281,7 @@ std::vector<WindowTriangleId> SettlingWindow::Audit() {
     pairs = FindIntersections();
   }
   for (const auto& [s, t] : pairs) {
-    const bool first_given_up = fronts_.at(s).tries == 255;
-    if (first_given_up || fronts_.at(t).tries == 255) continue;
+    if (fronts_.at(s).audit != AuditMark::kNone || fronts_.at(t).audit != AuditMark::kNone) continue;
     faulty.push_back(s);
     faulty.push_back(t);
   }
@@ -318,7 +317,7 @@ absl::Status SettlingWindow::Emit(bool everything) {
     counts_.quality.Add(place[0], place[1], place[2]);
     for (int i = 0; i < 3; ++i) counts_.longest_edge = std::max(counts_.longest_edge, Distance(place[i], place[(i + 1) % 3]));
     ++counts_.by_kind[static_cast<int>(t.kind)];
-    if (t.tries == 255) faults_.push_back((place[0] + place[1] + place[2]) / 3.0);
+    if (t.audit == AuditMark::kFault) faults_.push_back((place[0] + place[1] + place[2]) / 3.0);
   }
   counts_.vertices += vertices.size();
   counts_.triangles += triangles.size();

@@ -40,7 +40,9 @@ class SettlingWindow {
   // Intersecting triangles that could not be mended any more and were let go; their places.
   const std::vector<Vec3>& faults() const { return faults_; }
   // From now on the audit reports this triangle's place as a fault instead of returning it.
-  void GiveUp(WindowTriangleId triangle) { fronts_.at(triangle).tries = 255; }
+  void GiveUp(WindowTriangleId triangle) { fronts_.at(triangle).audit = AuditMark::kFault; }
+  // … or no longer looks at it: the surface meets itself there.
+  void Excuse(WindowTriangleId triangle) { fronts_.at(triangle).audit = AuditMark::kExcused; }
   const SettledCounts& counts() const { return counts_; }
 
   // Rings between each vertex and the nearest front; Improve begins with it. Again before Emit when fronts have retreated since.

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status_macros.h"
+#include "core/geometry/intersection.h"
 #include "core/geometry/triangle.h"
 #include "core/surface/apex_search.h"
 #include "core/surface/tolerances.h"
@@ -136,6 +137,26 @@ SourcePoint MeshSurface::Snap(const SourcePoint& start, const Vec3& target) cons
 double MeshSurface::MaxCurvatureAt(const SourcePoint& p) const {
   const Triangle& t = mesh_.triangles[FaceOf(p)];
   return (1 - p.u - p.v) * curvatures_[t[0].index()] + p.u * curvatures_[t[1].index()] + p.v * curvatures_[t[2].index()];
+}
+
+bool MeshSurface::MeetsItselfNear(const Vec3& place, double radius) const {
+  std::call_once(tree_once_, [this] { tree_ = std::make_unique<TriangleBvh>(mesh_.positions, mesh_.triangles); });
+  std::vector<FaceId> near;
+  const Vec3 reach{radius, radius, radius};
+  tree_->VisitOverlaps({place - reach, place + reach}, [&](FaceId f) {
+    near.push_back(f);
+    return near.size() < kMaxFacesNearAPlace;
+  });
+  const auto corner = [this](FaceId f, int i) { return mesh_.PositionAt(mesh_.triangles[f.index()][i]); };
+  for (size_t i = 0; i < near.size(); ++i) {
+    const Vec3 a[3] = {corner(near[i], 0), corner(near[i], 1), corner(near[i], 2)};
+    for (size_t j = 0; j < i; ++j) {
+      const Vec3 b[3] = {corner(near[j], 0), corner(near[j], 1), corner(near[j], 2)};
+      const SharedCorners shared = SharedCornersOf(mesh_.triangles[near[i].index()], mesh_.triangles[near[j].index()]);
+      if (TrianglesIntersect(a, b, shared)) return true;
+    }
+  }
+  return false;
 }
 
 bool MeshSurface::IsOnBoundary(const SourcePoint& p) const {

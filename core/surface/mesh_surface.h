@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "absl/types/span.h"
 #include "core/base/context.h"
 #include "core/base/ids.h"
+#include "core/geometry/bvh.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/triangle_mesh.h"
 #include "core/surface/mesh_walk.h"
@@ -73,6 +75,8 @@ class MeshSurface final : public Surface {
   // Interpolated linearly between the face's corners; the field, not this, is what keeps edges short at peaks.
   double MaxCurvatureAt(const SourcePoint& p) const override;
   bool IsOnBoundary(const SourcePoint& p) const override;
+  // Builds a tree over the faces at the first call; then O(faces near the place, squared).
+  bool MeetsItselfNear(const Vec3& place, double radius) const override;
 
  private:
   MeshSurface(TriangleMesh mesh, FaceAdjacency adjacency);
@@ -90,6 +94,8 @@ class MeshSurface final : public Surface {
   FaceComponents components_;
   std::vector<bool> component_has_boundary_;
   bool has_curvature_ = false;
+  mutable std::once_flag tree_once_;
+  mutable std::unique_ptr<TriangleBvh> tree_;
 };
 
 }  // namespace meshfront

@@ -41,6 +41,13 @@ class Surface {
 
   // True when p lies on the rim of an open surface (within rounding).
   virtual bool IsOnBoundary(const SourcePoint& p) const = 0;
+
+  // Whether the surface itself passes through or touches itself within `radius` of a place: there a mesh of it may do the same.
+  // Asked rarely. Surfaces that can't tell say no.
+  virtual bool MeetsItselfNear(const Vec3& place, double radius) const {
+    static_cast<void>(place), static_cast<void>(radius);
+    return false;
+  }
 };
 
 }  // namespace meshfront

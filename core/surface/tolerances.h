@@ -47,4 +47,7 @@ inline constexpr double kProbeReach = 0.25;
 // Faces looked at for such a way; where it is not found among them it is long in faces too.
 inline constexpr size_t kMaxDetourFaces = 200;
 
+// Faces that are compared pair by pair around one place where an output intersects itself.
+inline constexpr size_t kMaxFacesNearAPlace = 400;
+
 }  // namespace meshfront::surface_tolerances
