@@ -110,6 +110,7 @@ void FenceIndex::Insert(FrontEdgeId edge) {
 }
 
 void FenceIndex::Erase(FrontEdgeId edge) {
+  if (edge.index() >= slots_.size()) return;
   Slot& s = slots_[edge.index()];
   if (s.level < 0) return;
   if (s.prev != kNone) slots_[s.prev].next = s.next;
