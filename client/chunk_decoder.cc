@@ -11,7 +11,8 @@
 namespace meshfront {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "arrays on the wire are little-endian and copied as they lie");
+static_assert(std::endian::native == std::endian::little,
+              "arrays on the wire are little-endian and copied as they lie");
 
 absl::Status Damaged(const v1::Chunk& chunk, absl::string_view what) {
   return absl::DataLossError(absl::StrCat("chunk ", chunk.sequence(), " is damaged: ", what));
@@ -45,14 +46,17 @@ absl::Status ChunkDecoder::Decode(const v1::Chunk& chunk) {
 absl::Status ChunkDecoder::CheckFrame(const v1::Chunk& chunk) const {
   if (chunk.sequence() != chunk_count_) return Damaged(chunk, absl::StrCat("its turn was chunk ", chunk_count_));
   if (chunk.first_vertex() != vertex_count_) {
-    return Damaged(chunk, absl::StrCat("it begins at vertex ", chunk.first_vertex(), "; ", vertex_count_, " came before"));
+    return Damaged(chunk,
+                   absl::StrCat("it begins at vertex ", chunk.first_vertex(), "; ", vertex_count_, " came before"));
   }
   const size_t vector_bytes = 3 * ScalarBytes(scalar_type_);
-  if (chunk.positions().size() != chunk.vertex_count() * vector_bytes) return Damaged(chunk, "the size of its positions");
+  if (chunk.positions().size() != chunk.vertex_count() * vector_bytes)
+    return Damaged(chunk, "the size of its positions");
   if (!chunk.normals().empty() && chunk.normals().size() != chunk.positions().size()) {
     return Damaged(chunk, "the size of its normals");
   }
-  if (chunk.indices().size() != size_t{chunk.triangle_count()} * sizeof(Triangle)) return Damaged(chunk, "the size of its indices");
+  if (chunk.indices().size() != size_t{chunk.triangle_count()} * sizeof(Triangle))
+    return Damaged(chunk, "the size of its indices");
   if (vertex_count_ + chunk.vertex_count() >= VertexId::kInvalid) return Damaged(chunk, "more vertices than ids");
   if (ChunkCrc32c(chunk) != chunk.crc32c()) return Damaged(chunk, "its checksum differs");
   return absl::OkStatus();

@@ -56,7 +56,8 @@ absl::Status ChunkSpool::ForEachVertexBlock(
   return ForEachBlock<SpooledVertex>(*vertices_, vertex_count_, body);
 }
 
-absl::Status ChunkSpool::ForEachTriangleBlock(const std::function<absl::Status(absl::Span<const Triangle>)>& body) const {
+absl::Status ChunkSpool::ForEachTriangleBlock(
+    const std::function<absl::Status(absl::Span<const Triangle>)>& body) const {
   return ForEachBlock<Triangle>(*triangles_, triangle_count_, body);
 }
 

@@ -98,8 +98,8 @@ absl::Status BufferedFile::Close() {
 
 absl::StatusOr<std::unique_ptr<BufferedFile>> CreateSpoolFile(const std::string& folder) {
   std::string path;
-  MESHFRONT_ASSIGN_OR_RETURN(const int descriptor,
-                             CreateTemporary(absl::StrCat(folder, "/.meshfront-spool"), absl::StrCat("the folder ", folder), &path));
+  MESHFRONT_ASSIGN_OR_RETURN(const int descriptor, CreateTemporary(absl::StrCat(folder, "/.meshfront-spool"),
+                                                                   absl::StrCat("the folder ", folder), &path));
   unlink(path.c_str());
   return std::make_unique<BufferedFile>(descriptor, absl::StrCat("the spool file in ", folder));
 }
@@ -180,7 +180,8 @@ absl::StatusOr<std::unique_ptr<OutputFile>> OutputFile::Create(const std::string
   std::string temporary;
   MESHFRONT_ASSIGN_OR_RETURN(const int descriptor, CreateTemporary(target, path, &temporary));
   ApplyUsualPermissions(descriptor);
-  return std::unique_ptr<OutputFile>(new OutputFile(target, temporary, std::make_unique<BufferedFile>(descriptor, path)));
+  return std::unique_ptr<OutputFile>(
+      new OutputFile(target, temporary, std::make_unique<BufferedFile>(descriptor, path)));
 }
 
 absl::Status OutputFile::Commit() {

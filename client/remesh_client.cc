@@ -17,7 +17,8 @@ constexpr int kMaxMessageBytes = 8 << 20;
 // Hangs the canceller onto a call for as long as it runs.
 class ScopedCall {
  public:
-  ScopedCall(const CallOptions& call, const std::function<bool(grpc::ClientContext*)>& attach, std::function<void()> detach)
+  ScopedCall(const CallOptions& call, const std::function<bool(grpc::ClientContext*)>& attach,
+             std::function<void()> detach)
       : detach_(std::move(detach)) {
     if (call.deadline != absl::InfiniteFuture()) context_.set_deadline(absl::ToChronoTime(call.deadline));
     if (!attach(&context_)) context_.TryCancel();
@@ -56,14 +57,22 @@ class EventReader {
   absl::Status Take(const v1::MeshEvent& event) {
     if (has_summary_) return absl::DataLossError("the server sent more after its Summary");
     switch (event.event_case()) {
-      case v1::MeshEvent::kAccepted: observer_.OnAccepted(event.accepted()); break;
-      case v1::MeshEvent::kProgress: observer_.OnProgress(event.progress()); break;
-      case v1::MeshEvent::kDefect: observer_.OnDefect(event.defect()); break;
+      case v1::MeshEvent::kAccepted:
+        observer_.OnAccepted(event.accepted());
+        break;
+      case v1::MeshEvent::kProgress:
+        observer_.OnProgress(event.progress());
+        break;
+      case v1::MeshEvent::kDefect:
+        observer_.OnDefect(event.defect());
+        break;
       case v1::MeshEvent::kChunk:
         MESHFRONT_RETURN_IF_ERROR(decoder_.Decode(event.chunk()));
         return observer_.OnChunk(event.chunk(), decoder_);
-      case v1::MeshEvent::kSummary: return TakeSummary(event.summary());
-      default: break;  // an event of a later version
+      case v1::MeshEvent::kSummary:
+        return TakeSummary(event.summary());
+      default:
+        break;  // an event of a later version
     }
     return absl::OkStatus();
   }
@@ -76,8 +85,8 @@ class EventReader {
  private:
   absl::Status TakeSummary(const v1::Summary& summary) {
     if (summary.chunks() != decoder_.chunk_count() || summary.chunks_crc32c() != decoder_.chunks_crc32c()) {
-      return absl::DataLossError(absl::StrCat("the Summary tells of ", summary.chunks(), " chunks with another checksum; ",
-                                              decoder_.chunk_count(), " came"));
+      return absl::DataLossError(absl::StrCat("the Summary tells of ", summary.chunks(),
+                                              " chunks with another checksum; ", decoder_.chunk_count(), " came"));
     }
     summary_ = summary;
     has_summary_ = true;
@@ -121,7 +130,9 @@ RemeshClient::RemeshClient(const std::shared_ptr<grpc::ChannelInterface>& channe
 absl::StatusOr<v1::Summary> RemeshClient::Remesh(TriangleMesh mesh, const CallOptions& call, RemeshObserver& observer) {
   ScopedCall scope(
       call, [&](grpc::ClientContext* c) { return call.canceller == nullptr || call.canceller->Attach(c); },
-      [&] { if (call.canceller != nullptr) call.canceller->Detach(); });
+      [&] {
+        if (call.canceller != nullptr) call.canceller->Detach();
+      });
   const auto stream = stub_->Remesh(scope.context());
   if (SendInput<v1::RemeshRequest>(mesh, call, stream.get())) observer.OnUploaded();
   mesh = TriangleMesh();
@@ -142,7 +153,9 @@ absl::StatusOr<v1::Summary> RemeshClient::Remesh(TriangleMesh mesh, const CallOp
 absl::StatusOr<v1::EstimateResponse> RemeshClient::Estimate(TriangleMesh mesh, const CallOptions& call) {
   ScopedCall scope(
       call, [&](grpc::ClientContext* c) { return call.canceller == nullptr || call.canceller->Attach(c); },
-      [&] { if (call.canceller != nullptr) call.canceller->Detach(); });
+      [&] {
+        if (call.canceller != nullptr) call.canceller->Detach();
+      });
   v1::EstimateResponse response;
   const auto stream = stub_->Estimate(scope.context(), &response);
   SendInput<v1::EstimateRequest>(mesh, call, stream.get());

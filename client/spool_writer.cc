@@ -59,7 +59,8 @@ absl::Status WriteVertexLines(const ChunkSpool& spool, absl::string_view prefix,
 }
 
 absl::Status WriteOff(const ChunkSpool& spool, ByteSink& file) {
-  MESHFRONT_RETURN_IF_ERROR(file.Append(absl::StrCat("OFF\n", spool.vertex_count(), " ", spool.triangle_count(), " 0\n")));
+  MESHFRONT_RETURN_IF_ERROR(
+      file.Append(absl::StrCat("OFF\n", spool.vertex_count(), " ", spool.triangle_count(), " 0\n")));
   MESHFRONT_RETURN_IF_ERROR(WriteVertexLines(spool, "", file));
   return WriteTriangleLines(spool, "3 ", 0, file);
 }
@@ -70,12 +71,13 @@ absl::Status WriteObj(const ChunkSpool& spool, ByteSink& file) {
 }
 
 absl::Status WritePly(const ChunkSpool& spool, ByteSink& file) {
-  MESHFRONT_RETURN_IF_ERROR(file.Append(absl::StrCat(
-      "ply\nformat binary_little_endian 1.0\ncomment meshfront\nelement vertex ", spool.vertex_count(),
-      "\nproperty double x\nproperty double y\nproperty double z\nelement face ", spool.triangle_count(),
-      "\nproperty list uchar int vertex_indices\nend_header\n")));
+  MESHFRONT_RETURN_IF_ERROR(file.Append(
+      absl::StrCat("ply\nformat binary_little_endian 1.0\ncomment meshfront\nelement vertex ", spool.vertex_count(),
+                   "\nproperty double x\nproperty double y\nproperty double z\nelement face ", spool.triangle_count(),
+                   "\nproperty list uchar int vertex_indices\nend_header\n")));
   MESHFRONT_RETURN_IF_ERROR(spool.ForEachVertexBlock([&](Vertices block) -> absl::Status {
-    for (const SpooledVertex& v : block) MESHFRONT_RETURN_IF_ERROR(file.Append({reinterpret_cast<const char*>(&v.position), sizeof(v.position)}));
+    for (const SpooledVertex& v : block)
+      MESHFRONT_RETURN_IF_ERROR(file.Append({reinterpret_cast<const char*>(&v.position), sizeof(v.position)}));
     return absl::OkStatus();
   }));
   return spool.ForEachTriangleBlock([&](Triangles block) -> absl::Status {
@@ -136,11 +138,14 @@ absl::Status ForEachBufferPart(const ChunkSpool& spool, const std::function<absl
   });
 }
 
-constexpr int kFloat = 5126, kUint32 = 5125, kArrayBuffer = 34962, kElementArrayBuffer = 34963;  // glTF's names for them
+constexpr int kFloat = 5126, kUint32 = 5125, kArrayBuffer = 34962,
+              kElementArrayBuffer = 34963;  // glTF's names for them
 
 Json JsonOf(const Vec3& v) { return {v.x, v.y, v.z}; }
 // Exactly what the buffer holds: rounding keeps the order, so the extremes stay the extremes.
-Json FloatsOf(const Vec3& v) { return JsonOf({static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}); }
+Json FloatsOf(const Vec3& v) {
+  return JsonOf({static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)});
+}
 
 Json GltfDocument(const ChunkSpool& spool, Json buffer) {
   const uint64_t vertices = spool.vertex_count(), triangles = spool.triangle_count();
@@ -150,22 +155,28 @@ Json GltfDocument(const ChunkSpool& spool, Json buffer) {
   if (origin != Vec3{}) node["translation"] = JsonOf(origin);
   Json primitive = {{"attributes", {{"POSITION", 0}, {"NORMAL", 1}}}, {"indices", 2}, {"mode", 4}};
   buffer["byteLength"] = 2 * vertex_bytes + index_bytes;
-  return {
-      {"asset", {{"version", "2.0"}, {"generator", "meshfront"}}},
-      {"scene", 0},
-      {"scenes", Json::array({Json{{"nodes", Json::array({0})}}})},
-      {"nodes", Json::array({std::move(node)})},
-      {"meshes", Json::array({Json{{"primitives", Json::array({std::move(primitive)})}}})},
-      {"accessors",
-       {{{"bufferView", 0}, {"componentType", kFloat}, {"count", vertices}, {"type", "VEC3"},
-         {"min", FloatsOf(spool.bounds().min - origin)}, {"max", FloatsOf(spool.bounds().max - origin)}},
-        {{"bufferView", 1}, {"componentType", kFloat}, {"count", vertices}, {"type", "VEC3"}},
-        {{"bufferView", 2}, {"componentType", kUint32}, {"count", 3 * triangles}, {"type", "SCALAR"}}}},
-      {"bufferViews",
-       {{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", vertex_bytes}, {"target", kArrayBuffer}},
-        {{"buffer", 0}, {"byteOffset", vertex_bytes}, {"byteLength", vertex_bytes}, {"target", kArrayBuffer}},
-        {{"buffer", 0}, {"byteOffset", 2 * vertex_bytes}, {"byteLength", index_bytes}, {"target", kElementArrayBuffer}}}},
-      {"buffers", Json::array({std::move(buffer)})}};
+  return {{"asset", {{"version", "2.0"}, {"generator", "meshfront"}}},
+          {"scene", 0},
+          {"scenes", Json::array({Json{{"nodes", Json::array({0})}}})},
+          {"nodes", Json::array({std::move(node)})},
+          {"meshes", Json::array({Json{{"primitives", Json::array({std::move(primitive)})}}})},
+          {"accessors",
+           {{{"bufferView", 0},
+             {"componentType", kFloat},
+             {"count", vertices},
+             {"type", "VEC3"},
+             {"min", FloatsOf(spool.bounds().min - origin)},
+             {"max", FloatsOf(spool.bounds().max - origin)}},
+            {{"bufferView", 1}, {"componentType", kFloat}, {"count", vertices}, {"type", "VEC3"}},
+            {{"bufferView", 2}, {"componentType", kUint32}, {"count", 3 * triangles}, {"type", "SCALAR"}}}},
+          {"bufferViews",
+           {{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", vertex_bytes}, {"target", kArrayBuffer}},
+            {{"buffer", 0}, {"byteOffset", vertex_bytes}, {"byteLength", vertex_bytes}, {"target", kArrayBuffer}},
+            {{"buffer", 0},
+             {"byteOffset", 2 * vertex_bytes},
+             {"byteLength", index_bytes},
+             {"target", kElementArrayBuffer}}}},
+          {"buffers", Json::array({std::move(buffer)})}};
 }
 
 void AppendUint32(uint64_t value, std::string* bytes) {
@@ -180,7 +191,8 @@ absl::Status WriteGlb(const ChunkSpool& spool, ByteSink& file) {
   text.append((4 - text.size() % 4) % 4, ' ');
   const uint64_t total = 12 + 8 + text.size() + 8 + buffer_bytes;
   if (total > 0xffffffffu) {
-    return absl::InternalError(absl::StrCat(file.name(), " can't be written: a GLB of ", total, " bytes; at most 4294967295 fit"));
+    return absl::InternalError(
+        absl::StrCat(file.name(), " can't be written: a GLB of ", total, " bytes; at most 4294967295 fit"));
   }
   std::string header = "glTF";
   AppendUint32(2, &header), AppendUint32(total, &header);
@@ -253,13 +265,20 @@ absl::Status CheckWritable(Format format) {
 absl::Status WriteSpool(const ChunkSpool& spool, Format format, ByteSink& file) {
   MESHFRONT_RETURN_IF_ERROR(CheckWritable(format));
   switch (format) {
-    case Format::kOff: return WriteOff(spool, file);
-    case Format::kObj: return WriteObj(spool, file);
-    case Format::kPly: return WritePly(spool, file);
-    case Format::kStl: return WriteStl(spool, file);
-    case Format::kGlb: return WriteGlb(spool, file);
-    case Format::kGltf: return WriteGltf(spool, file);
-    default: return absl::InternalError("unknown format");
+    case Format::kOff:
+      return WriteOff(spool, file);
+    case Format::kObj:
+      return WriteObj(spool, file);
+    case Format::kPly:
+      return WritePly(spool, file);
+    case Format::kStl:
+      return WriteStl(spool, file);
+    case Format::kGlb:
+      return WriteGlb(spool, file);
+    case Format::kGltf:
+      return WriteGltf(spool, file);
+    default:
+      return absl::InternalError("unknown format");
   }
 }
 

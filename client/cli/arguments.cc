@@ -19,7 +19,9 @@ absl::Status WrongValue(absl::string_view flag, absl::string_view value, absl::s
   return absl::InvalidArgumentError(absl::StrCat(flag, " is ", value.empty() ? "empty" : value, "; it must be ", rule));
 }
 
-absl::Status NotYet(absl::string_view what) { return absl::InvalidArgumentError(absl::StrCat(what, " is not yet built")); }
+absl::Status NotYet(absl::string_view what) {
+  return absl::InvalidArgumentError(absl::StrCat(what, " is not yet built"));
+}
 
 absl::Status Contradiction(absl::string_view a, absl::string_view b) {
   return absl::InvalidArgumentError(absl::StrCat(a, " and ", b, " contradict each other; give one of them"));
@@ -55,14 +57,17 @@ absl::Status CheckNumber(absl::string_view flag, const Text& text, const Range& 
 
 // "0.3", or "2%" of the diagonal.
 absl::StatusOr<v1::Length> ParseLength(absl::string_view flag, absl::string_view text) {
-  static constexpr Range range{0, kInfinity, false, false, "a positive, finite length, or a percentage of the diagonal such as 2%"};
+  static constexpr Range range{0, kInfinity, false, false,
+                               "a positive, finite length, or a percentage of the diagonal such as 2%"};
   absl::string_view digits = text;
   const bool relative = absl::ConsumeSuffix(&digits, "%");
   double value;
   if (!absl::SimpleAtod(digits, &value) || !range.Contains(value)) return WrongValue(flag, text, range.rule);
   v1::Length length;
-  if (relative) length.set_diagonal_fraction(value / 100);
-  else length.set_absolute(value);
+  if (relative)
+    length.set_diagonal_fraction(value / 100);
+  else
+    length.set_absolute(value);
   return length;
 }
 
@@ -88,8 +93,10 @@ absl::Status CheckValues(const MeshingFlags& flags) {
   MESHFRONT_RETURN_IF_ERROR(CheckNumber("--eta", flags.eta, kEta));
   MESHFRONT_RETURN_IF_ERROR(CheckNumber("--blend", flags.blend, kBlend));
   MESHFRONT_RETURN_IF_ERROR(CheckNumber("--mls-radius", flags.mls_radius, kMlsRadius));
-  for (const auto& [name, length] : {std::pair{"--max-error", &flags.max_error}, {"--edge-length", &flags.edge_length},
-                                     {"--min-edge", &flags.min_edge}, {"--max-edge", &flags.max_edge}}) {
+  for (const auto& [name, length] : {std::pair{"--max-error", &flags.max_error},
+                                     {"--edge-length", &flags.edge_length},
+                                     {"--min-edge", &flags.min_edge},
+                                     {"--max-edge", &flags.max_edge}}) {
     if (*length) MESHFRONT_RETURN_IF_ERROR(ParseLength(name, **length).status());
   }
   uint64_t count;
@@ -110,9 +117,10 @@ absl::Status CheckValues(const MeshingFlags& flags) {
 }
 
 absl::Status CheckSizingFlags(const MeshingFlags& flags, v1::Sizing sizing) {
-  const std::vector<std::pair<const char*, const Text*>> exclusive = {
-      {"--rho", &flags.rho}, {"--max-error", &flags.max_error}, {"--edge-length", &flags.edge_length},
-      {"--target-triangles", &flags.target_triangles}};
+  const std::vector<std::pair<const char*, const Text*>> exclusive = {{"--rho", &flags.rho},
+                                                                      {"--max-error", &flags.max_error},
+                                                                      {"--edge-length", &flags.edge_length},
+                                                                      {"--target-triangles", &flags.target_triangles}};
   const char* first = nullptr;
   for (const auto& [name, text] : exclusive) {
     if (!*text) continue;
@@ -133,7 +141,8 @@ absl::Status CheckBuilt(const MeshingFlags& flags, v1::Sizing sizing) {
   if (flags.max_error) return NotYet("--max-error");
   if (sizing == v1::SIZING_ERROR) return NotYet("--sizing error");
   if (flags.target_triangles) return NotYet("--target-triangles");
-  if (flags.crease_angle && *flags.crease_angle != "off") return NotYet(absl::StrCat("--crease-angle ", *flags.crease_angle));
+  if (flags.crease_angle && *flags.crease_angle != "off")
+    return NotYet(absl::StrCat("--crease-angle ", *flags.crease_angle));
   if (flags.features) return NotYet("--features");
   if (flags.region) return NotYet("--region");
   if (flags.blend) return NotYet("--blend");
@@ -147,7 +156,8 @@ absl::Status CheckEdgeRange(const v1::RemeshOptions& options) {
   if (!options.has_min_edge() || !options.has_max_edge()) return absl::OkStatus();
   const v1::Length &low = options.min_edge(), &high = options.max_edge();
   const bool comparable = low.value_case() == high.value_case();
-  if (!comparable || low.absolute() + low.diagonal_fraction() <= high.absolute() + high.diagonal_fraction()) return absl::OkStatus();
+  if (!comparable || low.absolute() + low.diagonal_fraction() <= high.absolute() + high.diagonal_fraction())
+    return absl::OkStatus();
   return absl::InvalidArgumentError("--min-edge is larger than --max-edge; it must not be");
 }
 
@@ -236,7 +246,8 @@ absl::StatusOr<Format> FormatFor(const std::string& path, const Text& format, co
     if (named != Format::kUnknown) return named;
     return WrongValue(flag, *format, "off, obj, ply, stl, glb, gltf or xyz");
   }
-  if (path == "-") return absl::InvalidArgumentError(absl::StrCat("- has no ending that tells its format: give ", flag));
+  if (path == "-")
+    return absl::InvalidArgumentError(absl::StrCat("- has no ending that tells its format: give ", flag));
   return FormatOfName(path);
 }
 

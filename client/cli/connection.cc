@@ -17,7 +17,8 @@ class RemoteConnection : public Connection {
 
 class LocalConnection : public Connection {
  public:
-  explicit LocalConnection(std::unique_ptr<InProcess> service) : service_(std::move(service)), client_(service_->channel()) {}
+  explicit LocalConnection(std::unique_ptr<InProcess> service)
+      : service_(std::move(service)), client_(service_->channel()) {}
   RemeshClient& client() override { return client_; }
 
  private:

@@ -30,9 +30,11 @@ absl::StatusOr<EstimateCall> Parse(const EstimateArguments& arguments) {
 
 void Print(const v1::EstimateResponse& e) {
   const v1::Topology& t = e.input().topology();
-  std::cout << absl::StrFormat("input       %s vertices, %s triangles\n", WithThousands(t.vertices()), WithThousands(t.triangles()))
+  std::cout << absl::StrFormat("input       %s vertices, %s triangles\n", WithThousands(t.vertices()),
+                               WithThousands(t.triangles()))
             << absl::StrFormat("predicted   %s triangles\n", WithThousands(e.predicted_triangles()))
-            << absl::StrFormat("edges       %g to %g, median %g\n", e.edge_length().min(), e.edge_length().max(), e.edge_length().median())
+            << absl::StrFormat("edges       %g to %g, median %g\n", e.edge_length().min(), e.edge_length().max(),
+                               e.edge_length().median())
             << absl::StrFormat("error       at most %g (%.3g%% of the diagonal)\n", e.error_bound(),
                                e.input().diagonal() > 0 ? 100 * e.error_bound() / e.input().diagonal() : 0)
             << absl::StrFormat("memory      about %s\n", WithByteUnit(e.memory_bytes()));
@@ -50,15 +52,20 @@ ExitCode RunEstimate(const EstimateArguments& arguments) {
   CallCanceller canceller;
   parsed->call.canceller = &canceller;
   interruption.OnSignal([&canceller] { canceller.Cancel(); });
-  const absl::StatusOr<std::unique_ptr<Connection>> connection = Connect(arguments.call.server, parsed->call.options.threads());
+  const absl::StatusOr<std::unique_ptr<Connection>> connection =
+      Connect(arguments.call.server, parsed->call.options.threads());
   if (!connection.ok()) return Fail(ExitCode::kInternalError, connection.status());
   if (arguments.call.timeout) parsed->call.deadline = absl::Now() + absl::Seconds(parsed->timeout);
-  const absl::StatusOr<v1::EstimateResponse> estimate = (*connection)->client().Estimate(std::move(read->mesh), parsed->call);
+  const absl::StatusOr<v1::EstimateResponse> estimate =
+      (*connection)->client().Estimate(std::move(read->mesh), parsed->call);
   interruption.OnSignal([] {});
   if (!estimate.ok()) return Fail(ExitCodeOfCall(estimate.status()), estimate.status());
-  if (arguments.json) std::cout << EstimateJson(*estimate).dump(2) << "\n";
-  else Print(*estimate);
-  return std::cout.flush() ? ExitCode::kDone : Fail(ExitCode::kOutput, absl::InternalError("standard output can't be written"));
+  if (arguments.json)
+    std::cout << EstimateJson(*estimate).dump(2) << "\n";
+  else
+    Print(*estimate);
+  return std::cout.flush() ? ExitCode::kDone
+                           : Fail(ExitCode::kOutput, absl::InternalError("standard output can't be written"));
 }
 
 }  // namespace meshfront

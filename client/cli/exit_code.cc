@@ -13,25 +13,33 @@ namespace {
 constexpr char kOptionsPath[] = "options";
 
 // The message begins with the path of the option at fault: "options.eta is 3; …".
-bool IsAboutOptions(const absl::Status& status) { return absl::StartsWith(FieldPathOf(status.message()), kOptionsPath); }
+bool IsAboutOptions(const absl::Status& status) {
+  return absl::StartsWith(FieldPathOf(status.message()), kOptionsPath);
+}
 
 }  // namespace
 
 ExitCode ExitCodeOfCall(const absl::Status& status) {
   switch (status.code()) {
-    case absl::StatusCode::kOk: return ExitCode::kDone;
-    case absl::StatusCode::kInvalidArgument: return IsAboutOptions(status) ? ExitCode::kUsage : ExitCode::kInput;
-    case absl::StatusCode::kFailedPrecondition: return ExitCode::kInput;
+    case absl::StatusCode::kOk:
+      return ExitCode::kDone;
+    case absl::StatusCode::kInvalidArgument:
+      return IsAboutOptions(status) ? ExitCode::kUsage : ExitCode::kInput;
+    case absl::StatusCode::kFailedPrecondition:
+      return ExitCode::kInput;
     case absl::StatusCode::kUnavailable:
     case absl::StatusCode::kResourceExhausted:
     case absl::StatusCode::kUnauthenticated:
     case absl::StatusCode::kPermissionDenied:
     case absl::StatusCode::kUnimplemented:  // an older server, or no server of ours
     case absl::StatusCode::kAborted:
-    case absl::StatusCode::kDataLoss: return ExitCode::kServer;
+    case absl::StatusCode::kDataLoss:
+      return ExitCode::kServer;
     case absl::StatusCode::kCancelled:
-    case absl::StatusCode::kDeadlineExceeded: return ExitCode::kCancelled;
-    default: return ExitCode::kInternalError;
+    case absl::StatusCode::kDeadlineExceeded:
+      return ExitCode::kCancelled;
+    default:
+      return ExitCode::kInternalError;
   }
 }
 

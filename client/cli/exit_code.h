@@ -7,12 +7,12 @@ namespace meshfront {
 
 enum class ExitCode {
   kDone = 0,
-  kUsage = 2,          // the command line is wrong, or asks for what is not built yet
-  kInput = 3,          // IN is missing, unreadable or can't be meshed
-  kPartial = 4,        // meshed only in part; the part is written
-  kServer = 5,         // the server is unreachable, unavailable, or refuses by limit or authorisation
-  kCancelled = 6,      // cancelled or past the deadline
-  kOutput = 7,         // OUT can't be written
+  kUsage = 2,      // the command line is wrong, or asks for what is not built yet
+  kInput = 3,      // IN is missing, unreadable or can't be meshed
+  kPartial = 4,    // meshed only in part; the part is written
+  kServer = 5,     // the server is unreachable, unavailable, or refuses by limit or authorisation
+  kCancelled = 6,  // cancelled or past the deadline
+  kOutput = 7,     // OUT can't be written
   kInternalError = 70,
 };
 

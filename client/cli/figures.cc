@@ -34,18 +34,24 @@ std::string FiguresTable(const Json& stats) {
   const uint64_t triangles = Get<uint64_t>(stats, "/output/triangles", 0);
   const double mesh_seconds = Get<double>(stats, "/seconds/mesh", 0);
   std::string table;
-  const auto row = [&table](const char* name, const std::string& text) { absl::StrAppendFormat(&table, "  %-12s %s\n", name, text); };
+  const auto row = [&table](const char* name, const std::string& text) {
+    absl::StrAppendFormat(&table, "  %-12s %s\n", name, text);
+  };
   row("before", Count(stats, "/input/triangles") + " triangles, " + TopologyText(stats.value("input", Json::object())));
   row("after", WithThousands(triangles) + " triangles, " + TopologyText(stats.value("output", Json::object())));
   row("predicted", Count(stats, "/predicted_triangles") + " triangles");
-  row("parameters", absl::StrFormat("rho %g, eta %g", Get<double>(stats, "/parameters/rho", 0), Get<double>(stats, "/parameters/eta", 0)));
+  row("parameters", absl::StrFormat("rho %g, eta %g", Get<double>(stats, "/parameters/rho", 0),
+                                    Get<double>(stats, "/parameters/eta", 0)));
   row("shape", absl::StrFormat("radius ratio (1 = equilateral): median %.3f, worst 0.5%% below %.3f, minimum %.3f",
                                Get<double>(stats, "/quality/radius_ratio_median", 0),
                                Get<double>(stats, "/quality/radius_ratio_p0_5", 0),
                                Get<double>(stats, "/quality/radius_ratio_min", 0)));
-  if (diagonal > 0) row("error", absl::StrFormat("at most %.3g (%.2g%% of the diagonal)", bound, 100 * bound / diagonal));
-  row("stream", absl::StrFormat("%s chunks, the first after %.2f s", Count(stats, "/chunks"), Get<double>(stats, "/seconds/first_chunk", 0)));
-  row("time", absl::StrFormat("engine %.2f s (%s triangles/s while meshing), in all %.2f s", Get<double>(stats, "/seconds/engine", 0),
+  if (diagonal > 0)
+    row("error", absl::StrFormat("at most %.3g (%.2g%% of the diagonal)", bound, 100 * bound / diagonal));
+  row("stream", absl::StrFormat("%s chunks, the first after %.2f s", Count(stats, "/chunks"),
+                                Get<double>(stats, "/seconds/first_chunk", 0)));
+  row("time", absl::StrFormat("engine %.2f s (%s triangles/s while meshing), in all %.2f s",
+                              Get<double>(stats, "/seconds/engine", 0),
                               WithThousands(mesh_seconds > 0 ? static_cast<uint64_t>(triangles / mesh_seconds) : 0),
                               Get<double>(stats, "/seconds/total", 0)));
   std::string memory = WithByteUnit(Get<uint64_t>(stats, "/peak_rss_bytes", 0));

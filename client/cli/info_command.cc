@@ -23,14 +23,17 @@ void PrintContents(const std::string& path, const ReadResult& read) {
                                  WithThousands(mesh.triangles.size()));
   }
   if (!box.empty()) {
-    std::cout << absl::StrFormat("box         %s to %s, diagonal %g\n", PlaceText(box.min), PlaceText(box.max), box.Diagonal());
+    std::cout << absl::StrFormat("box         %s to %s, diagonal %g\n", PlaceText(box.min), PlaceText(box.max),
+                                 box.Diagonal());
   }
-  if (!mesh.dropped_attributes.empty()) std::cout << "attributes  " << absl::StrJoin(mesh.dropped_attributes, ", ") << "\n";
+  if (!mesh.dropped_attributes.empty())
+    std::cout << "attributes  " << absl::StrJoin(mesh.dropped_attributes, ", ") << "\n";
 }
 
 void PrintTopology(const TopologyReport& t) {
-  std::cout << absl::StrFormat("topology    %s components, %s boundary loops (%s edges), %s, %s, %s\n", WithThousands(t.components),
-                               WithThousands(t.boundary_loops), WithThousands(t.boundary_edges),
+  std::cout << absl::StrFormat("topology    %s components, %s boundary loops (%s edges), %s, %s, %s\n",
+                               WithThousands(t.components), WithThousands(t.boundary_loops),
+                               WithThousands(t.boundary_edges),
                                t.genus ? absl::StrFormat("genus %d", *t.genus) : "genus undefined",
                                t.manifold ? "manifold" : "not manifold", t.oriented ? "oriented" : "not oriented");
 }
@@ -67,7 +70,8 @@ ExitCode RunInfo(const std::string& path, const CallFlags& flags) {
   PrintContents(path, *read);
   if (!read->mesh.IsPointSet()) PrintTopology(MeasureTopology(read->mesh));
   PrintDefects(FindDefects(read->mesh));
-  return std::cout.flush() ? ExitCode::kDone : Fail(ExitCode::kOutput, absl::InternalError("standard output can't be written"));
+  return std::cout.flush() ? ExitCode::kDone
+                           : Fail(ExitCode::kOutput, absl::InternalError("standard output can't be written"));
 }
 
 }  // namespace meshfront

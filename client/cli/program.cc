@@ -27,16 +27,22 @@ void AddMeshingFlags(CLI::App* command, MeshingFlags* flags) {
   command->add_option("--rho", flags->rho, "angle an edge subtends on the osculating circle, radians, (0, 2π/3] [0.8]");
   command->add_option("--eta", flags->eta, "bound on the ratio of incident edges, (1, 2) [1.2]");
   command->add_option("--sizing", flags->sizing, "what is held constant: angle, error or uniform [angle]");
-  command->add_option("--edge-length", flags->edge_length, "the ideal length everywhere, absolute or % of the diagonal");
-  command->add_option("--min-edge", flags->min_edge, "lower clamp of the edge length, absolute or % of the diagonal [derived]");
-  command->add_option("--max-edge", flags->max_edge, "upper clamp of the edge length, absolute or % of the diagonal [derived]");
+  command->add_option("--edge-length", flags->edge_length,
+                      "the ideal length everywhere, absolute or % of the diagonal");
+  command->add_option("--min-edge", flags->min_edge,
+                      "lower clamp of the edge length, absolute or % of the diagonal [derived]");
+  command->add_option("--max-edge", flags->max_edge,
+                      "upper clamp of the edge length, absolute or % of the diagonal [derived]");
   command->add_option("--flips", flags->flips, "on, off: streaming edge flips behind the front [on]");
   command->add_option("--smooth", flags->smooth, "on, off: guarded smoothing behind the front [on]");
-  command->add_option("--fit", flags->fit, "on, off: vertices moved along the normal to fit the surface between them [on]");
+  command->add_option("--fit", flags->fit,
+                      "on, off: vertices moved along the normal to fit the surface between them [on]");
   command->add_option("--repair", flags->repair, "on, off: mend the input before meshing [on]");
   command->add_option("--threads", flags->threads, "0: all cores; the output is the same for every number [0]");
-  command->add_option("--crease-angle", flags->crease_angle, "dihedral threshold of a crease in degrees, or off (not yet: off)");
-  command->add_option("--attributes", flags->attributes, "keep, drop: UV, colours, materials, … (not yet: dropped with a warning)");
+  command->add_option("--crease-angle", flags->crease_angle,
+                      "dihedral threshold of a crease in degrees, or off (not yet: off)");
+  command->add_option("--attributes", flags->attributes,
+                      "keep, drop: UV, colours, materials, … (not yet: dropped with a warning)");
   command->add_option("--surface", flags->surface, "auto, mesh; mls and imls: not yet [auto]");
   command->add_option("--max-error", flags->max_error, "one-sided distance bound (not yet)");
   command->add_option("--target-triangles", flags->target_triangles, "number of triangles wanted (not yet)");
@@ -50,7 +56,8 @@ void AddMeshingFlags(CLI::App* command, MeshingFlags* flags) {
 void AddCallFlags(CLI::App* command, CallFlags* flags) {
   command->add_option("--server", flags->server, "HOST:PORT of a remote server [the same service inside this process]");
   command->add_option("--timeout", flags->timeout, "deadline of the call in seconds [none]");
-  command->add_option("--in-format", flags->in_format, "format of IN when it is - (off, obj, ply, stl, glb, gltf, xyz)");
+  command->add_option("--in-format", flags->in_format,
+                      "format of IN when it is - (off, obj, ply, stl, glb, gltf, xyz)");
 }
 
 void AddRemesh(CLI::App* program, RemeshArguments* arguments) {
@@ -68,7 +75,8 @@ void AddRemesh(CLI::App* program, RemeshArguments* arguments) {
 }
 
 void AddEstimate(CLI::App* program, EstimateArguments* arguments) {
-  CLI::App* command = program->add_subcommand("estimate", "Predict triangles, edge lengths, error bound and memory; mesh nothing");
+  CLI::App* command =
+      program->add_subcommand("estimate", "Predict triangles, edge lengths, error bound and memory; mesh nothing");
   command->add_option("IN", arguments->in, "a mesh, or - for standard input")->required();
   AddMeshingFlags(command, &arguments->meshing);
   AddCallFlags(command, &arguments->call);

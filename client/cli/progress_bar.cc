@@ -24,9 +24,11 @@ std::string ProgressLine(const JobProgress& progress, double seconds) {
   if (progress.triangles == 0) return absl::StrCat(progress.stage, " …");
   // The prediction is some percent off either way: the bar is full only when the job says so.
   const double share = progress.predicted_triangles == 0
-                           ? 0 : std::min(0.99, static_cast<double>(progress.triangles) / progress.predicted_triangles);
+                           ? 0
+                           : std::min(0.99, static_cast<double>(progress.triangles) / progress.predicted_triangles);
   const int filled = static_cast<int>(share * kBarWidth);
-  std::string line = absl::StrCat(progress.stage, " [", std::string(filled, '#'), std::string(kBarWidth - filled, '-'), "] ");
+  std::string line =
+      absl::StrCat(progress.stage, " [", std::string(filled, '#'), std::string(kBarWidth - filled, '-'), "] ");
   absl::StrAppendFormat(&line, "%2d%%  %s", static_cast<int>(100 * share), WithThousands(progress.triangles));
   if (progress.predicted_triangles > 0) absl::StrAppend(&line, " of ", WithThousands(progress.predicted_triangles));
   absl::StrAppend(&line, " triangles");

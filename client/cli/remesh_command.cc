@@ -55,8 +55,8 @@ class RemeshCommand {
     MESHFRONT_ASSIGN_OR_RETURN(in_format_, FormatFor(arguments_.in, arguments_.call.in_format, "--in-format"));
     MESHFRONT_ASSIGN_OR_RETURN(out_format_, FormatFor(arguments_.out, arguments_.call.out_format, "--out-format"));
     if (out_format_ == Format::kUnknown) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("OUT is ", arguments_.out, "; its ending must be off, obj, ply, stl, glb or gltf, or give --out-format"));
+      return absl::InvalidArgumentError(absl::StrCat(
+          "OUT is ", arguments_.out, "; its ending must be off, obj, ply, stl, glb or gltf, or give --out-format"));
     }
     MESHFRONT_RETURN_IF_ERROR(CheckWritable(out_format_));
     if (!arguments_.write_repaired.empty() && FormatOfName(arguments_.write_repaired) == Format::kUnknown) {
@@ -69,8 +69,8 @@ class RemeshCommand {
   }
 
   ExitCode CheckOutputs() {
-    for (const std::string& path : {arguments_.out, arguments_.stats, arguments_.trace, arguments_.picture,
-                                    arguments_.write_repaired}) {
+    for (const std::string& path :
+         {arguments_.out, arguments_.stats, arguments_.trace, arguments_.picture, arguments_.write_repaired}) {
       if (path.empty()) continue;
       const absl::Status status = CheckCanBeCreated(path);
       if (!status.ok()) return Fail(ExitCode::kOutput, status);
@@ -85,8 +85,8 @@ class RemeshCommand {
     input_ = std::move(read->mesh);
     figures_.read = absl::ToDoubleSeconds(absl::Now() - begin);
     if (arguments_.meshing.attributes != "drop" && !input_.dropped_attributes.empty()) {
-      std::cerr << "meshfront: warning: attributes are not carried over yet: " << absl::StrJoin(input_.dropped_attributes, ", ")
-                << "\n";
+      std::cerr << "meshfront: warning: attributes are not carried over yet: "
+                << absl::StrJoin(input_.dropped_attributes, ", ") << "\n";
     }
     return ExitCode::kDone;
   }
@@ -122,7 +122,8 @@ class RemeshCommand {
       if (!file.ok()) return Fail(ExitCode::kOutput, file.status());
       trace = *std::move(file);
     }
-    const absl::StatusOr<std::unique_ptr<Connection>> connection = Connect(arguments_.call.server, call_.options.threads());
+    const absl::StatusOr<std::unique_ptr<Connection>> connection =
+        Connect(arguments_.call.server, call_.options.threads());
     if (!connection.ok()) return Fail(ExitCode::kInternalError, connection.status());
     if (timeout_ < kLongestTimeout) call_.deadline = absl::Now() + absl::Seconds(timeout_);
     ProgressBar bar(std::cerr, !arguments_.quiet && IsTerminal(std::cerr));
@@ -142,11 +143,13 @@ class RemeshCommand {
   ExitCode FailCall(const absl::Status& status) {
     const ExitCode code = ExitCodeOfCall(status);
     if (absl::IsDeadlineExceeded(status)) {  // gRPC's own text says neither what nor how long
-      return Fail(code, absl::DeadlineExceededError(absl::StrCat("the call took longer than --timeout ", timeout_, " s")));
+      return Fail(code,
+                  absl::DeadlineExceededError(absl::StrCat("the call took longer than --timeout ", timeout_, " s")));
     }
     if (absl::IsCancelled(status)) return Fail(code, absl::CancelledError("cancelled"));
     if (code == ExitCode::kServer && remote()) {
-      return Fail(code, absl::Status(status.code(), absl::StrCat("server ", arguments_.call.server, ": ", status.message())));
+      return Fail(code,
+                  absl::Status(status.code(), absl::StrCat("server ", arguments_.call.server, ": ", status.message())));
     }
     return Fail(code, status);
   }
@@ -193,8 +196,8 @@ class RemeshCommand {
 
   ExitCode ReportOpenPlaces() const {
     constexpr int shown = 20;
-    std::cerr << "meshfront: " << arguments_.out << " is meshed only in part; it is open at " << summary_.open_place_count()
-              << " places:\n";
+    std::cerr << "meshfront: " << arguments_.out << " is meshed only in part; it is open at "
+              << summary_.open_place_count() << " places:\n";
     for (int i = 0; i < std::min(shown, summary_.open_places_size()); ++i) {
       const v1::Point& p = summary_.open_places(i);
       std::cerr << "  " << PlaceText({p.x(), p.y(), p.z()}) << "\n";

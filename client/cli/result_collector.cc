@@ -45,9 +45,12 @@ absl::Status ResultCollector::OnChunk(const v1::Chunk& chunk, const ChunkDecoder
   return local_error_;
 }
 
-absl::Status ResultCollector::WriteTraceLine(const v1::Chunk& chunk, const ChunkDecoder& decoded, Clock::time_point now) {
-  const nlohmann::ordered_json line = {{"sequence", chunk.sequence()}, {"seconds", Seconds(now - uploaded_)},
-                                       {"vertices", decoded.vertex_count()}, {"triangles", decoded.triangle_count()},
+absl::Status ResultCollector::WriteTraceLine(const v1::Chunk& chunk, const ChunkDecoder& decoded,
+                                             Clock::time_point now) {
+  const nlohmann::ordered_json line = {{"sequence", chunk.sequence()},
+                                       {"seconds", Seconds(now - uploaded_)},
+                                       {"vertices", decoded.vertex_count()},
+                                       {"triangles", decoded.triangle_count()},
                                        {"open_front_edges", chunk.open_front_edges()}};
   return trace_->sink().Append(line.dump() + "\n");
 }

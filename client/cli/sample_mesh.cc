@@ -13,9 +13,9 @@
 namespace meshfront {
 namespace {
 
-constexpr int kCells = 50;                           // along each axis
+constexpr int kCells = 50;                            // along each axis
 constexpr double kMin = -1.25, kStep = 2.5 / kCells;  // the grid covers [-1.25, 1.25]³
-constexpr double kBlend = 0.12;                      // radius of the fillets between the parts
+constexpr double kBlend = 0.12;                       // radius of the fillets between the parts
 // Vertices stay this far, relative to a grid edge, from its ends: no face is so thin that its normal is lost to rounding.
 constexpr double kEndGap = 0.02;
 

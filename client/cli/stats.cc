@@ -9,18 +9,27 @@ Json GenusOf(const v1::Topology& topology) { return topology.has_genus() ? Json(
 
 Json InputJson(const v1::InputSummary& input) {
   Json repairs = Json::array();
-  for (const v1::Repair& repair : input.repairs()) repairs.push_back({{"what", repair.what()}, {"count", repair.count()}});
+  for (const v1::Repair& repair : input.repairs())
+    repairs.push_back({{"what", repair.what()}, {"count", repair.count()}});
   const v1::Topology& t = input.topology();
-  return {{"kind", input.kind() == v1::INPUT_KIND_POINTS ? "points" : "mesh"}, {"vertices", t.vertices()},
-          {"triangles", t.triangles()}, {"components", t.components()}, {"boundary_loops", t.boundary_loops()},
-          {"genus", GenusOf(t)}, {"diagonal", input.diagonal()}, {"repairs", repairs}};
+  return {{"kind", input.kind() == v1::INPUT_KIND_POINTS ? "points" : "mesh"},
+          {"vertices", t.vertices()},
+          {"triangles", t.triangles()},
+          {"components", t.components()},
+          {"boundary_loops", t.boundary_loops()},
+          {"genus", GenusOf(t)},
+          {"diagonal", input.diagonal()},
+          {"repairs", repairs}};
 }
 
 const char* SizingName(v1::Sizing sizing) {
   switch (sizing) {
-    case v1::SIZING_ERROR: return "error";
-    case v1::SIZING_UNIFORM: return "uniform";
-    default: return "angle";
+    case v1::SIZING_ERROR:
+      return "error";
+    case v1::SIZING_UNIFORM:
+      return "uniform";
+    default:
+      return "angle";
   }
 }
 
@@ -33,12 +42,20 @@ Json LengthJson(bool has, const v1::Length& length) {
 
 Json ParametersJson(const v1::ParametersInForce& parameters) {
   const v1::RemeshOptions& o = parameters.options();
-  return {{"rho", o.rho()}, {"eta", o.eta()}, {"sizing", SizingName(o.sizing())},
-          {"edge_length", LengthJson(o.has_edge_length(), o.edge_length())}, {"min_edge", parameters.min_edge()},
-          {"max_edge", parameters.max_edge()}, {"clamped_samples", parameters.clamped_samples()}, {"flips", o.flips()},
-          {"smooth", o.smooth()}, {"fit", o.fit()}, {"repair", o.repair()},
+  return {{"rho", o.rho()},
+          {"eta", o.eta()},
+          {"sizing", SizingName(o.sizing())},
+          {"edge_length", LengthJson(o.has_edge_length(), o.edge_length())},
+          {"min_edge", parameters.min_edge()},
+          {"max_edge", parameters.max_edge()},
+          {"clamped_samples", parameters.clamped_samples()},
+          {"flips", o.flips()},
+          {"smooth", o.smooth()},
+          {"fit", o.fit()},
+          {"repair", o.repair()},
           // What this version does, whatever was asked: neither creases nor attributes are carried yet.
-          {"crease_angle", o.crease().rule_case() == v1::Crease::kAngleDegrees ? Json(o.crease().angle_degrees()) : Json("off")},
+          {"crease_angle",
+           o.crease().rule_case() == v1::Crease::kAngleDegrees ? Json(o.crease().angle_degrees()) : Json("off")},
           {"attributes", o.attributes() == v1::ATTRIBUTE_POLICY_KEEP ? "keep" : "drop"}};
 }
 
@@ -46,21 +63,35 @@ Json OutputJson(const v1::Summary& summary) {
   Json places = Json::array();
   for (const v1::Point& p : summary.open_places()) places.push_back({p.x(), p.y(), p.z()});
   const v1::Topology& t = summary.output();
-  return {{"vertices", t.vertices()}, {"triangles", t.triangles()}, {"components", t.components()},
-          {"boundary_loops", t.boundary_loops()}, {"genus", GenusOf(t)}, {"closed", t.closed()}, {"manifold", t.manifold()},
-          {"complete", summary.complete()}, {"open_places", places}};
+  return {{"vertices", t.vertices()},     {"triangles", t.triangles()},
+          {"components", t.components()}, {"boundary_loops", t.boundary_loops()},
+          {"genus", GenusOf(t)},          {"closed", t.closed()},
+          {"manifold", t.manifold()},     {"complete", summary.complete()},
+          {"open_places", places}};
 }
 
 Json QualityJson(const v1::Quality& q) {
-  return {{"radius_ratio_min", q.radius_ratio_min()}, {"radius_ratio_p0_5", q.radius_ratio_p0_5()},
-          {"radius_ratio_median", q.radius_ratio_median()}, {"min_angle_deg", q.min_angle_degrees()}};
+  return {{"radius_ratio_min", q.radius_ratio_min()},
+          {"radius_ratio_p0_5", q.radius_ratio_p0_5()},
+          {"radius_ratio_median", q.radius_ratio_median()},
+          {"min_angle_deg", q.min_angle_degrees()}};
 }
 
 Json SecondsJson(const v1::Seconds& server, const ClientFigures& client) {
-  return {{"read", client.read}, {"upload", client.upload}, {"queued", server.queued()}, {"repair", server.repair()},
-          {"index", server.index()}, {"curvature", server.curvature()}, {"guidance", server.guidance()},
-          {"features", server.features()}, {"mesh", server.mesh()}, {"stalled", server.stalled()},
-          {"first_chunk", client.first_chunk}, {"engine", client.engine}, {"write", client.write}, {"total", client.total}};
+  return {{"read", client.read},
+          {"upload", client.upload},
+          {"queued", server.queued()},
+          {"repair", server.repair()},
+          {"index", server.index()},
+          {"curvature", server.curvature()},
+          {"guidance", server.guidance()},
+          {"features", server.features()},
+          {"mesh", server.mesh()},
+          {"stalled", server.stalled()},
+          {"first_chunk", client.first_chunk},
+          {"engine", client.engine},
+          {"write", client.write},
+          {"total", client.total}};
 }
 
 Json RefusalsJson(const v1::Summary& summary) {
@@ -73,22 +104,23 @@ Json RefusalsJson(const v1::Summary& summary) {
 
 Json StatsJson(const std::string& version, const v1::Summary& summary, const ClientFigures& client) {
   const v1::TrianglesByKind& kinds = summary.triangles_by_kind();
-  Json stats = {{"version", version},
-                {"command", "remesh"},
-                {"input", InputJson(summary.input())},
-                {"parameters", ParametersJson(summary.parameters())},
-                {"predicted_triangles", summary.predicted_triangles()},
-                {"error_bound", summary.error_bound()},
-                {"output", OutputJson(summary)},
-                {"quality", QualityJson(summary.quality())},
-                {"triangles_by_kind", {{"free", kinds.free()}, {"connection", kinds.connection()}, {"closing", kinds.closing()}}},
-                {"flips", summary.flips()},
-                {"refusals", RefusalsJson(summary)},
-                {"seconds", SecondsJson(summary.seconds(), client)},
-                {"peak_rss_bytes", client.peak_rss_bytes},
-                {"peak_front_edges", summary.peak_front_edges()},
-                {"chunks", client.chunks},
-                {"threads", summary.threads()}};
+  Json stats = {
+      {"version", version},
+      {"command", "remesh"},
+      {"input", InputJson(summary.input())},
+      {"parameters", ParametersJson(summary.parameters())},
+      {"predicted_triangles", summary.predicted_triangles()},
+      {"error_bound", summary.error_bound()},
+      {"output", OutputJson(summary)},
+      {"quality", QualityJson(summary.quality())},
+      {"triangles_by_kind", {{"free", kinds.free()}, {"connection", kinds.connection()}, {"closing", kinds.closing()}}},
+      {"flips", summary.flips()},
+      {"refusals", RefusalsJson(summary)},
+      {"seconds", SecondsJson(summary.seconds(), client)},
+      {"peak_rss_bytes", client.peak_rss_bytes},
+      {"peak_front_edges", summary.peak_front_edges()},
+      {"chunks", client.chunks},
+      {"threads", summary.threads()}};
   if (client.remote) {
     stats["server_peak_rss_bytes"] = summary.server_peak_rss_bytes();
     stats["server_version"] = summary.version();

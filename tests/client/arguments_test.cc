@@ -47,7 +47,8 @@ TEST(MeshingFlags, NameTheFlagTheValueAndTheRule) {
   for (const char* wrong : {"0", "-1", "nan", "inf", "1x", "", "2.0944"}) {
     EXPECT_THAT(Parse({.rho = wrong}), StatusIs(kInvalid, "--rho")) << wrong;
   }
-  for (const char* wrong : {"1", "2", "x"}) EXPECT_THAT(Parse({.eta = wrong}), StatusIs(kInvalid, "--eta is ")) << wrong;
+  for (const char* wrong : {"1", "2", "x"})
+    EXPECT_THAT(Parse({.eta = wrong}), StatusIs(kInvalid, "--eta is ")) << wrong;
   for (const char* wrong : {"0", "-2%", "%", "1%%", "inf"}) {
     EXPECT_THAT(Parse({.edge_length = wrong}), StatusIs(kInvalid, "--edge-length is ")) << wrong;
   }
@@ -70,9 +71,10 @@ TEST(MeshingFlags, RefuseContradictions) {
 
 TEST(MeshingFlags, SayNotYetInsteadOfIgnoring) {
   const std::vector<MeshingFlags> not_built = {
-      {.max_error = "1%"},      {.sizing = "error"},      {.target_triangles = "1000"}, {.crease_angle = "40"},
-      {.features = "f.obj"},    {.region = "faces:a.txt"}, {.blend = "8"},               {.surface = "mls"},
-      {.surface = "imls"},      {.mls_radius = "4"},       {.seed_points = {"0,0,0"}}};
+      {.max_error = "1%"},    {.sizing = "error"},       {.target_triangles = "1000"},
+      {.crease_angle = "40"}, {.features = "f.obj"},     {.region = "faces:a.txt"},
+      {.blend = "8"},         {.surface = "mls"},        {.surface = "imls"},
+      {.mls_radius = "4"},    {.seed_points = {"0,0,0"}}};
   for (const MeshingFlags& flags : not_built) EXPECT_THAT(Parse(flags), StatusIs(kInvalid, "not yet"));
 }
 

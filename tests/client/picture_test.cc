@@ -60,7 +60,8 @@ TEST(Wireframe, DrawsFacesSeenFromBehindInRed) {
 TEST(Wireframe, HidesWhatLiesBehind) {
   // A sheet that faces away, below one that faces us: no red anywhere.
   const TriangleMesh below = testing::Moved(testing::Reversed(testing::Sheet(2)), {0, 0, -0.5});
-  for (const TriangleMesh& both : {testing::Joined(testing::Sheet(2), below), testing::Joined(below, testing::Sheet(2))}) {
+  for (const TriangleMesh& both :
+       {testing::Joined(testing::Sheet(2), below), testing::Joined(below, testing::Sheet(2))}) {
     EXPECT_EQ(ShareOf(Draw(both, FromAbove(1.2)), IsReddish), 0);
   }
 }
@@ -90,7 +91,8 @@ TEST(Wireframe, SurvivesFacesThatCannotBeDrawn) {
 }
 
 TEST(View, FitsTheShapeAndIsOrthonormal) {
-  for (const TriangleMesh& mesh : {testing::ThinSlab(10), testing::Scaled(testing::Torus(1, 0.2, 30, 10), 1e-6), TriangleMesh{}}) {
+  for (const TriangleMesh& mesh :
+       {testing::ThinSlab(10), testing::Scaled(testing::Torus(1, 0.2, 30, 10), 1e-6), TriangleMesh{}}) {
     const View view = ChooseView(mesh);
     EXPECT_NEAR(Dot(Cross(view.right, view.up), view.toward), 1, 1e-12);
     for (const Vec3& p : mesh.positions) {

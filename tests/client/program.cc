@@ -58,7 +58,8 @@ Outcome ProgramTest::Run(const std::vector<std::string>& arguments, const std::s
   return Collect(Spawn(arguments));
 }
 
-Outcome ProgramTest::RunWith(const std::vector<std::string>& arguments, const std::function<void(int pid)>& during) const {
+Outcome ProgramTest::RunWith(const std::vector<std::string>& arguments,
+                             const std::function<void(int pid)>& during) const {
   std::ofstream(captured_ + "/in").flush();
   const int pid = Spawn(arguments);
   during(pid);

@@ -1,10 +1,11 @@
 // The program from a file to a file, the service inside the process.
 #include <signal.h>
+#include <sys/wait.h>
 
+#include <png.h>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <png.h>
 #include <sstream>
 #include <thread>
 
@@ -20,6 +21,12 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
+
+bool HasEnded(int pid) {
+  siginfo_t info{};
+  waitid(P_PID, pid, &info, WEXITED | WNOHANG | WNOWAIT);
+  return info.si_pid == pid;
+}
 
 class Remesh : public ProgramTest {
  protected:
@@ -44,7 +51,8 @@ TEST_F(Remesh, KeepsTheTopologyInEveryFormat) {
 }
 
 TEST_F(Remesh, TellsInStatsWhatIsInTheOutput) {
-  const Outcome outcome = Run({"remesh", "in.ply", "out.ply", "--rho", "0.6", "--stats", "stats.json", "--trace", "trace.jsonl"});
+  const Outcome outcome =
+      Run({"remesh", "in.ply", "out.ply", "--rho", "0.6", "--stats", "stats.json", "--trace", "trace.jsonl"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const Json stats = Json::parse(Contents("stats.json"));
   const TriangleMesh mesh = Read("out.ply");
@@ -55,7 +63,8 @@ TEST_F(Remesh, TellsInStatsWhatIsInTheOutput) {
   EXPECT_GE(stats["seconds"]["total"], stats["seconds"]["engine"]);
   EXPECT_GT(stats["seconds"]["engine"], 0);
   const Json& kinds = stats["triangles_by_kind"];
-  EXPECT_EQ(kinds["free"].get<int>() + kinds["connection"].get<int>() + kinds["closing"].get<int>(), mesh.triangles.size());
+  EXPECT_EQ(kinds["free"].get<int>() + kinds["connection"].get<int>() + kinds["closing"].get<int>(),
+            mesh.triangles.size());
 
   std::istringstream lines(Contents("trace.jsonl"));
   std::string text;
@@ -75,7 +84,8 @@ TEST_F(Remesh, TellsInStatsWhatIsInTheOutput) {
 
 TEST_F(Remesh, WorksInAPipeAndGivesTheSameBytes) {
   ASSERT_EQ(Run({"remesh", "in.ply", "out.off"}).exit_code, 0);
-  const Outcome outcome = Run({"remesh", "-", "-", "--in-format", "ply", "--out-format", "off", "--threads", "1"}, Contents("in.ply"));
+  const Outcome outcome =
+      Run({"remesh", "-", "-", "--in-format", "ply", "--out-format", "off", "--threads", "1"}, Contents("in.ply"));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_TRUE(outcome.out == Contents("out.off"));
 }
@@ -95,7 +105,8 @@ TEST_F(Remesh, WritesTheRepairedInput) {
   mesh.triangles.push_back({VertexId(0), VertexId(0), VertexId(1)});
   mesh.triangles.push_back(mesh.triangles.front());
   ASSERT_THAT(WriteMeshFile(PathOf("dirty.off"), mesh), IsOk());
-  const Outcome outcome = Run({"remesh", "dirty.off", "out.ply", "--write-repaired", "repaired.off", "--stats", "stats.json"});
+  const Outcome outcome =
+      Run({"remesh", "dirty.off", "out.ply", "--write-repaired", "repaired.off", "--stats", "stats.json"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(Read("repaired.off"), IsClosedManifold());
   EXPECT_FALSE(Json::parse(Contents("stats.json"))["input"]["repairs"].empty());
@@ -132,10 +143,11 @@ TEST_F(Remesh, EstimatesAboutWhatComesOut) {
 TEST_F(Remesh, ExitsWithSixWhenInterruptedAndLeavesNothing) {
   for (const int signal : {SIGINT, SIGTERM}) {
     const auto interrupt = [&](int pid) {
-      while (!Exists("repaired.ply") && kill(pid, 0) == 0) std::this_thread::yield();
+      while (!Exists("repaired.ply") && !HasEnded(pid)) std::this_thread::yield();
       kill(pid, signal);
     };
-    const Outcome outcome = RunWith({"remesh", "in.ply", "out.ply", "--rho", "0.003", "--write-repaired", "repaired.ply"}, interrupt);
+    const Outcome outcome =
+        RunWith({"remesh", "in.ply", "out.ply", "--rho", "0.003", "--write-repaired", "repaired.ply"}, interrupt);
     EXPECT_EQ(outcome.exit_code, 6) << outcome.err;
     EXPECT_THAT(Files(), ElementsAre("in.ply", "repaired.ply"));
     std::filesystem::remove(PathOf("repaired.ply"));
@@ -156,7 +168,8 @@ TEST_F(Remesh, WarnsOfAttributesThatAreNotCarriedYet) {
   file.close();
   const Outcome warned = Run({"remesh", "textured.obj", "out.ply"});
   EXPECT_THAT(warned.err, HasSubstr("attributes are not carried over yet"));
-  EXPECT_THAT(Run({"remesh", "textured.obj", "out.ply", "--attributes", "drop"}).err, ::testing::Not(HasSubstr("attributes")));
+  EXPECT_THAT(Run({"remesh", "textured.obj", "out.ply", "--attributes", "drop"}).err,
+              ::testing::Not(HasSubstr("attributes")));
 }
 
 }  // namespace

@@ -36,10 +36,12 @@ TEST_F(Program, ExplainsItselfWhenAsked) {
   EXPECT_EQ(Run({"--help"}).exit_code, 0);
   const Outcome outcome = Run({"remesh", "--help"});
   EXPECT_EQ(outcome.exit_code, 0);
-  for (const char* flag : {"--server", "--rho", "--eta", "--max-error", "--sizing", "--target-triangles", "--edge-length", "--min-edge",
-                           "--max-edge", "--crease-angle", "--features", "--attributes", "--region", "--blend", "--surface",
-                           "--mls-radius", "--seed-point", "--flips", "--smooth", "--fit", "--threads", "--repair", "--stats",
-                           "--trace", "--picture", "--write-repaired", "--timeout", "--quiet", "--in-format", "--out-format"}) {
+  for (const char* flag : {"--server",           "--rho",         "--eta",      "--max-error", "--sizing",
+                           "--target-triangles", "--edge-length", "--min-edge", "--max-edge",  "--crease-angle",
+                           "--features",         "--attributes",  "--region",   "--blend",     "--surface",
+                           "--mls-radius",       "--seed-point",  "--flips",    "--smooth",    "--fit",
+                           "--threads",          "--repair",      "--stats",    "--trace",     "--picture",
+                           "--write-repaired",   "--timeout",     "--quiet",    "--in-format", "--out-format"}) {
     EXPECT_THAT(outcome.out, HasSubstr(flag));
   }
 }
@@ -47,13 +49,25 @@ TEST_F(Program, ExplainsItselfWhenAsked) {
 TEST_F(Program, ExitsWithTwoForMistakesInTheCommandLine) {
   WriteSphere("in.ply");
   const std::vector<std::vector<std::string>> mistakes = {
-      {}, {"remsh"}, {"remesh"}, {"remesh", "in.ply"}, {"remesh", "in.ply", "out.ply", "more.ply"},
-      {"remesh", "in.ply", "out.ply", "--bogus"}, {"remesh", "in.ply", "out.ply", "--rho"},
-      {"remesh", "in.ply", "out.ply", "--rho", "9"}, {"remesh", "in.ply", "out.ply", "--rho", "-1"},
-      {"remesh", "in.ply", "out.ply", "--rho", "1", "--edge-length", "1"}, {"remesh", "in.ply", "out.doc"},
-      {"remesh", "in.ply", "out.xyz"}, {"remesh", "-", "out.ply"}, {"remesh", "in.ply", "-"},
-      {"remesh", "in.ply", "out.ply", "--server", "nowhere"}, {"remesh", "in.ply", "out.ply", "--timeout", "0"},
-      {"estimate"}, {"measure"}, {"info"}};
+      {},
+      {"remsh"},
+      {"remesh"},
+      {"remesh", "in.ply"},
+      {"remesh", "in.ply", "out.ply", "more.ply"},
+      {"remesh", "in.ply", "out.ply", "--bogus"},
+      {"remesh", "in.ply", "out.ply", "--rho"},
+      {"remesh", "in.ply", "out.ply", "--rho", "9"},
+      {"remesh", "in.ply", "out.ply", "--rho", "-1"},
+      {"remesh", "in.ply", "out.ply", "--rho", "1", "--edge-length", "1"},
+      {"remesh", "in.ply", "out.doc"},
+      {"remesh", "in.ply", "out.xyz"},
+      {"remesh", "-", "out.ply"},
+      {"remesh", "in.ply", "-"},
+      {"remesh", "in.ply", "out.ply", "--server", "nowhere"},
+      {"remesh", "in.ply", "out.ply", "--timeout", "0"},
+      {"estimate"},
+      {"measure"},
+      {"info"}};
   for (const std::vector<std::string>& arguments : mistakes) {
     const Outcome outcome = Run(arguments);
     EXPECT_EQ(outcome.exit_code, 2) << ::testing::PrintToString(arguments);
@@ -65,10 +79,14 @@ TEST_F(Program, ExitsWithTwoForMistakesInTheCommandLine) {
 TEST_F(Program, SaysNotYetToWhatIsNotBuilt) {
   WriteSphere("in.ply");
   const std::vector<std::vector<std::string>> not_built = {
-      {"union", "in.ply", "in.ply", "out.ply"}, {"intersection", "in.ply", "in.ply", "out.ply"},
-      {"difference", "in.ply", "in.ply", "out.ply"}, {"cut", "in.ply", "in.ply", "out.ply"},
-      {"remesh", "in.ply", "out.ply", "--max-error", "1%"}, {"remesh", "in.ply", "out.ply", "--target-triangles", "500"},
-      {"remesh", "in.ply", "out.ply", "--region", "sphere:0,0,0,1"}, {"estimate", "in.ply", "--sizing", "error"}};
+      {"union", "in.ply", "in.ply", "out.ply"},
+      {"intersection", "in.ply", "in.ply", "out.ply"},
+      {"difference", "in.ply", "in.ply", "out.ply"},
+      {"cut", "in.ply", "in.ply", "out.ply"},
+      {"remesh", "in.ply", "out.ply", "--max-error", "1%"},
+      {"remesh", "in.ply", "out.ply", "--target-triangles", "500"},
+      {"remesh", "in.ply", "out.ply", "--region", "sphere:0,0,0,1"},
+      {"estimate", "in.ply", "--sizing", "error"}};
   for (const std::vector<std::string>& arguments : not_built) {
     const Outcome outcome = Run(arguments);
     EXPECT_EQ(outcome.exit_code, 2) << ::testing::PrintToString(arguments);

@@ -117,8 +117,10 @@ TEST_F(RemeshClientTest, SendsTheMeshBitForBitInCheckedBlocks) {
     digest.Update(block.data());
   }
   EXPECT_EQ(service_.requests.back().end().sha256(), digest.Finish());
-  const absl::string_view positions(reinterpret_cast<const char*>(mesh.positions.data()), mesh.positions.size() * sizeof(Vec3));
-  const absl::string_view triangles(reinterpret_cast<const char*>(mesh.triangles.data()), mesh.triangles.size() * sizeof(Triangle));
+  const absl::string_view positions(reinterpret_cast<const char*>(mesh.positions.data()),
+                                    mesh.positions.size() * sizeof(Vec3));
+  const absl::string_view triangles(reinterpret_cast<const char*>(mesh.triangles.data()),
+                                    mesh.triangles.size() * sizeof(Triangle));
   EXPECT_TRUE(arrays[v1::ARRAY_POSITIONS] == positions);
   EXPECT_TRUE(arrays[v1::ARRAY_TRIANGLES] == triangles);
   EXPECT_EQ(observer_.uploads, 1);

@@ -38,7 +38,9 @@ TEST(Sample, IsClosedManifoldAndFullOfSlivers) {
 
 TEST(Sample, IsTheSameOnEveryCall) { EXPECT_EQ(SampleMesh().positions, SampleMesh().positions); }
 
-TEST(ProgressLine, SaysTheStageWhileThereIsNothingToCount) { EXPECT_EQ(ProgressLine({"curvature", 0, 0}, 0), "curvature …"); }
+TEST(ProgressLine, SaysTheStageWhileThereIsNothingToCount) {
+  EXPECT_EQ(ProgressLine({"curvature", 0, 0}, 0), "curvature …");
+}
 
 TEST(ProgressLine, CountsRateAndRemainingTime) {
   const std::string line = ProgressLine({"mesh", 100000, 25000}, 0.5);
@@ -56,8 +58,14 @@ TEST(ProgressLine, IsNeverFullBeforeTheEnd) {
 
 TEST(ProgressBar, IsSilentWhenDisabledAndWipesItselfOtherwise) {
   std::ostringstream silent, drawn;
-  { ProgressBar bar(silent, false); bar.Update({"mesh", 10, 5}); }
-  { ProgressBar bar(drawn, true); bar.Update({"mesh", 10, 5}); }
+  {
+    ProgressBar bar(silent, false);
+    bar.Update({"mesh", 10, 5});
+  }
+  {
+    ProgressBar bar(drawn, true);
+    bar.Update({"mesh", 10, 5});
+  }
   EXPECT_EQ(silent.str(), "");
   EXPECT_NE(drawn.str().find("5 of 10"), std::string::npos);
   EXPECT_EQ(drawn.str().substr(drawn.str().size() - 4), "\r\x1b[K");
@@ -86,17 +94,54 @@ v1::Summary SomeSummary() {
 
 // Every key of the contract, as a path.
 TEST(Stats, HoldEveryKeyOfTheContract) {
-  const Json stats = StatsJson("1", SomeSummary(), {.read = 1, .total = 2, .peak_rss_bytes = 5, .chunks = 4, .remote = true});
-  for (const char* path :
-       {"/version", "/command", "/input/kind", "/input/vertices", "/input/triangles", "/input/components", "/input/boundary_loops",
-        "/input/genus", "/input/repairs/0/what", "/input/repairs/0/count", "/parameters/rho", "/parameters/eta",
-        "/predicted_triangles", "/error_bound", "/output/vertices", "/output/triangles", "/output/components",
-        "/output/boundary_loops", "/output/genus", "/output/closed", "/output/manifold", "/output/open_places/0/2",
-        "/quality/radius_ratio_min", "/quality/radius_ratio_p0_5", "/quality/radius_ratio_median", "/quality/min_angle_deg",
-        "/triangles_by_kind/free", "/triangles_by_kind/connection", "/triangles_by_kind/closing", "/flips", "/seconds/read",
-        "/seconds/upload", "/seconds/index", "/seconds/curvature", "/seconds/guidance", "/seconds/features", "/seconds/mesh",
-        "/seconds/first_chunk", "/seconds/engine", "/seconds/write", "/seconds/total", "/peak_rss_bytes", "/peak_front_edges",
-        "/chunks", "/threads", "/server_peak_rss_bytes"}) {
+  const Json stats =
+      StatsJson("1", SomeSummary(), {.read = 1, .total = 2, .peak_rss_bytes = 5, .chunks = 4, .remote = true});
+  for (const char* path : {"/version",
+                           "/command",
+                           "/input/kind",
+                           "/input/vertices",
+                           "/input/triangles",
+                           "/input/components",
+                           "/input/boundary_loops",
+                           "/input/genus",
+                           "/input/repairs/0/what",
+                           "/input/repairs/0/count",
+                           "/parameters/rho",
+                           "/parameters/eta",
+                           "/predicted_triangles",
+                           "/error_bound",
+                           "/output/vertices",
+                           "/output/triangles",
+                           "/output/components",
+                           "/output/boundary_loops",
+                           "/output/genus",
+                           "/output/closed",
+                           "/output/manifold",
+                           "/output/open_places/0/2",
+                           "/quality/radius_ratio_min",
+                           "/quality/radius_ratio_p0_5",
+                           "/quality/radius_ratio_median",
+                           "/quality/min_angle_deg",
+                           "/triangles_by_kind/free",
+                           "/triangles_by_kind/connection",
+                           "/triangles_by_kind/closing",
+                           "/flips",
+                           "/seconds/read",
+                           "/seconds/upload",
+                           "/seconds/index",
+                           "/seconds/curvature",
+                           "/seconds/guidance",
+                           "/seconds/features",
+                           "/seconds/mesh",
+                           "/seconds/first_chunk",
+                           "/seconds/engine",
+                           "/seconds/write",
+                           "/seconds/total",
+                           "/peak_rss_bytes",
+                           "/peak_front_edges",
+                           "/chunks",
+                           "/threads",
+                           "/server_peak_rss_bytes"}) {
     EXPECT_TRUE(stats.contains(Json::json_pointer(path))) << path;
   }
   EXPECT_EQ(stats["input"]["kind"], "mesh");
@@ -111,8 +156,8 @@ TEST(Stats, HoldNoServerMemoryWhenThereIsNoServer) {
 
 TEST(Estimate, HoldsEveryKeyOfTheContract) {
   const Json json = EstimateJson(EstimateToProto(Estimate{}));
-  for (const char* path : {"/predicted_triangles", "/error_bound", "/edge_length/min", "/edge_length/median", "/edge_length/max",
-                           "/memory_bytes", "/input/kind", "/parameters/rho"}) {
+  for (const char* path : {"/predicted_triangles", "/error_bound", "/edge_length/min", "/edge_length/median",
+                           "/edge_length/max", "/memory_bytes", "/input/kind", "/parameters/rho"}) {
     EXPECT_TRUE(json.contains(Json::json_pointer(path))) << path;
   }
 }
@@ -135,7 +180,8 @@ TEST(ExitCodes, FollowTheContract) {
   EXPECT_EQ(ExitCodeOfCall(absl::CancelledError("x")), ExitCode::kCancelled);
   EXPECT_EQ(ExitCodeOfCall(absl::DeadlineExceededError("x")), ExitCode::kCancelled);
   EXPECT_EQ(ExitCodeOfCall(absl::InternalError("x")), ExitCode::kInternalError);
-  EXPECT_EQ(ExitCodeOfCall(FromGrpcStatus(ToGrpcStatus(absl::InvalidArgumentError("options.rho is 9; x")))), ExitCode::kUsage);
+  EXPECT_EQ(ExitCodeOfCall(FromGrpcStatus(ToGrpcStatus(absl::InvalidArgumentError("options.rho is 9; x")))),
+            ExitCode::kUsage);
 }
 
 TEST(Process, KnowsItsAgeAndMemory) {

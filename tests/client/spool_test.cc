@@ -35,7 +35,8 @@ class Spool : public ::testing::Test {
 
   std::string PathOf(const std::string& name) const { return folder_ + "/" + name; }
   int FilesInFolder() const {
-    return static_cast<int>(std::distance(std::filesystem::directory_iterator(folder_), std::filesystem::directory_iterator()));
+    return static_cast<int>(
+        std::distance(std::filesystem::directory_iterator(folder_), std::filesystem::directory_iterator()));
   }
 
   ChunkSpool SpoolOf(const TriangleMesh& mesh, size_t piece) const {
@@ -48,8 +49,10 @@ class Spool : public ::testing::Test {
     }
     const absl::Span<const SpooledVertex> all_vertices = vertices;
     const absl::Span<const Triangle> all_triangles = mesh.triangles;
-    for (size_t i = 0; i < all_vertices.size(); i += piece) EXPECT_THAT(spool->Append(all_vertices.subspan(i, piece), {}), IsOk());
-    for (size_t i = 0; i < all_triangles.size(); i += piece) EXPECT_THAT(spool->Append({}, all_triangles.subspan(i, piece)), IsOk());
+    for (size_t i = 0; i < all_vertices.size(); i += piece)
+      EXPECT_THAT(spool->Append(all_vertices.subspan(i, piece), {}), IsOk());
+    for (size_t i = 0; i < all_triangles.size(); i += piece)
+      EXPECT_THAT(spool->Append({}, all_triangles.subspan(i, piece)), IsOk());
     EXPECT_THAT(spool->Finish(), IsOk());
     return *std::move(spool);
   }
@@ -147,7 +150,10 @@ TEST_F(Spool, AnnouncesTheExactBoundsOfAGlb) {
 }
 
 TEST_F(Spool, LeavesNoFileBehind) {
-  { const ChunkSpool spool = SpoolOf(testing::Icosphere(3), 10); EXPECT_EQ(FilesInFolder(), 0); }
+  {
+    const ChunkSpool spool = SpoolOf(testing::Icosphere(3), 10);
+    EXPECT_EQ(FilesInFolder(), 0);
+  }
   EXPECT_EQ(FilesInFolder(), 0);
 }
 
@@ -172,7 +178,8 @@ TEST_F(Spool, AnOutputAppearsOnlyWhenCommitted) {
 }
 
 TEST_F(Spool, TellsWhenAnOutputCannotBeCreated) {
-  EXPECT_THAT(CheckCanBeCreated(PathOf("no/such/folder/out.ply")), StatusIs(absl::StatusCode::kInternal, "can't be written"));
+  EXPECT_THAT(CheckCanBeCreated(PathOf("no/such/folder/out.ply")),
+              StatusIs(absl::StatusCode::kInternal, "can't be written"));
   EXPECT_THAT(CheckCanBeCreated(folder_), StatusIs(absl::StatusCode::kInternal, "can't be written"));
   EXPECT_THAT(CheckCanBeCreated(PathOf("out.ply")), IsOk());
   EXPECT_EQ(FilesInFolder(), 0);
@@ -219,7 +226,8 @@ TEST(ChunkDecoder, TakesWhatFitsTogether) {
 }
 
 TEST(ChunkDecoder, RefusesEveryKindOfDamage) {
-  const auto expect_refused = [](const char* what, const std::function<void(v1::Chunk&)>& damage, bool checksum_right = true) {
+  const auto expect_refused = [](const char* what, const std::function<void(v1::Chunk&)>& damage,
+                                 bool checksum_right = true) {
     v1::Chunk chunk = OneTriangle();
     damage(chunk);
     if (checksum_right) chunk.set_crc32c(ChunkCrc32c(chunk));
@@ -232,7 +240,8 @@ TEST(ChunkDecoder, RefusesEveryKindOfDamage) {
   expect_refused("the size of its positions", [](v1::Chunk& c) { c.mutable_positions()->pop_back(); });
   expect_refused("the size of its normals", [](v1::Chunk& c) { c.set_normals("abc"); });
   expect_refused("the size of its indices", [](v1::Chunk& c) { c.set_triangle_count(0x80000000u); });
-  expect_refused("checksum", [](v1::Chunk& c) { c.mutable_positions()->at(3) ^= 1; }, false);
+  expect_refused(
+      "checksum", [](v1::Chunk& c) { c.mutable_positions()->at(3) ^= 1; }, false);
   expect_refused("names vertex 3", [](v1::Chunk& c) { c.mutable_indices()->at(0) = 3; });
   expect_refused("not finite", [](v1::Chunk& c) { c.mutable_positions()->replace(6, 2, "\xf0\x7f"); });
 }

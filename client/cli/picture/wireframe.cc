@@ -14,11 +14,13 @@ namespace meshfront {
 namespace {
 
 constexpr int kSamples = 2;  // per pixel and direction
-constexpr Color kWellShaped{158, 184, 208}, kSliver{236, 120, 62}, kBehind{176, 70, 84}, kWire{24, 30, 44}, kDot{70, 100, 140};
+constexpr Color kWellShaped{158, 184, 208}, kSliver{236, 120, 62}, kBehind{176, 70, 84}, kWire{24, 30, 44},
+    kDot{70, 100, 140};
 // Radius ratios at which a face is drawn as a sliver, and as well shaped.
 constexpr double kSliverRatio = 0.25, kWellShapedRatio = 0.8;
-constexpr double kHalfLine = 0.45, kLineBlur = 0.45;         // pixels
-constexpr double kFaintestEdge = 1.2, kStrongestEdge = 7.0;  // mean edge in pixels: below and above it lines grow no fainter/stronger
+constexpr double kHalfLine = 0.45, kLineBlur = 0.45;  // pixels
+constexpr double kFaintestEdge = 1.2,
+                 kStrongestEdge = 7.0;  // mean edge in pixels: below and above it lines grow no fainter/stronger
 constexpr double kFaintestLine = 0.12, kStrongestLine = 0.85;
 constexpr double kAmbient = 0.42, kDiffuse = 0.62;
 
@@ -40,8 +42,13 @@ Color Lit(Color base, double light) {
 class Rasteriser {
  public:
   Rasteriser(const TriangleMesh& mesh, const View& view, const PixelRect& rect)
-      : mesh_(mesh), view_(view), rect_(rect), width_(rect.width * kSamples), height_(rect.height * kSamples),
-        depth_(static_cast<size_t>(width_) * height_, -std::numeric_limits<float>::infinity()), color_(depth_.size()) {
+      : mesh_(mesh),
+        view_(view),
+        rect_(rect),
+        width_(rect.width * kSamples),
+        height_(rect.height * kSamples),
+        depth_(static_cast<size_t>(width_) * height_, -std::numeric_limits<float>::infinity()),
+        color_(depth_.size()) {
     const double extent = std::min(width_, height_);
     scale_ = extent / (2 * view.half_extent);
     key_light_ = Normalized(-0.45 * view.right + 0.55 * view.up + 0.75 * view.toward);
@@ -130,7 +137,8 @@ class Rasteriser {
     }
   }
 
-  void FillSample(int x, int y, const std::array<Vec3, 3>& s, double area, const std::array<double, 3>& altitude, Color color) {
+  void FillSample(int x, int y, const std::array<Vec3, 3>& s, double area, const std::array<double, 3>& altitude,
+                  Color color) {
     const double px = x + 0.5, py = y + 0.5;
     const double w0 = ((s[1].x - px) * (s[2].y - py) - (s[1].y - py) * (s[2].x - px)) / area;
     const double w1 = ((s[2].x - px) * (s[0].y - py) - (s[2].y - py) * (s[0].x - px)) / area;
@@ -162,7 +170,9 @@ class Rasteriser {
       }
     }
     constexpr int count = kSamples * kSamples;
-    canvas.Set(px, py, {static_cast<uint8_t>(red / count), static_cast<uint8_t>(green / count), static_cast<uint8_t>(blue / count)});
+    canvas.Set(
+        px, py,
+        {static_cast<uint8_t>(red / count), static_cast<uint8_t>(green / count), static_cast<uint8_t>(blue / count)});
   }
 
   const TriangleMesh& mesh_;
@@ -183,8 +193,10 @@ Color SliverColor() { return kSliver; }
 
 void DrawWireframe(const TriangleMesh& mesh, const View& view, const PixelRect& rect, Canvas& canvas) {
   Rasteriser rasteriser(mesh, view, rect);
-  if (mesh.IsPointSet()) rasteriser.DrawDots();
-  else rasteriser.DrawFaces();
+  if (mesh.IsPointSet())
+    rasteriser.DrawDots();
+  else
+    rasteriser.DrawFaces();
   rasteriser.Resolve(canvas);
 }
 
