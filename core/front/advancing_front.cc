@@ -8,7 +8,9 @@
 //   between areas: what lies well behind the fronts is improved, audited and sent       (SettlingWindow)
 //
 // "Every free triangle before any connection" holds inside a working area, a ball of ten edge lengths; areas follow each other in
-// the order in which their edges were born. Over the whole surface the rule would keep every vertex on a front until half of the
+// the order of their edges' length, octave by octave from the finest, and of birth within an octave: fine regions are closed
+// before the front has to wind around them (igea at rho 0.2: at most 1822 front edges; by birth alone 2670, by the length
+// travelled 4464). Over the whole surface the rule would keep every vertex on a front until half of the
 // triangles exist, and nothing could settle (rejected).
 //
 // Edges without an acceptable triangle wait until everything else is done, then the ladder: the tests relaxed in named stages,
@@ -17,10 +19,11 @@
 #include "core/front/advancing_front.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <deque>
 #include <limits>
+#include <queue>
 
 #include "core/base/status_macros.h"
 #include "core/front/agenda.h"
@@ -54,6 +57,16 @@ struct EdgeRef {
   uint32_t generation;
 };
 
+// An edge outside the working area: the one of the finest octave comes next, the elder of equals.
+struct WaitingEdge {
+  int octave;  // ⌊log2 length⌋
+  uint32_t order;
+  EdgeRef ref;
+  bool operator<(const WaitingEdge& other) const {
+    return octave != other.octave ? octave > other.octave : order > other.order;
+  }
+};
+
 class AdvancingFront {
  public:
   AdvancingFront(const Surface& surface, const GuidanceField& field, const FrontOptions& options, MeshSink& sink,
@@ -81,6 +94,7 @@ class AdvancingFront {
   bool TrySeed(const SourcePoint& seed, double length, const Vec3& direction);
 
   void Welcome(FrontEdgeId edge);                 // a new front edge: into the index and onto the agenda or the waiting list
+  void Wait(const EdgeRef& ref);
   void Schedule(FrontEdgeId edge, AgendaStage stage, double ratio);
   void Farewell(FrontEdgeId edge);                // before it is consumed
   void Revive(FrontEdgeId edge);                  // its surroundings changed
@@ -126,7 +140,8 @@ class AdvancingFront {
   SettlingWindow window_;
   Agenda agenda_;
   std::vector<EdgeState> states_;
-  std::deque<EdgeRef> waiting_;       // edges outside the working area, by birth
+  std::priority_queue<WaitingEdge> waiting_;
+  uint32_t waits_ = 0;
   std::vector<EdgeRef> stuck_;
   std::vector<FrontEdgeId> scratch_;
   Vec3 area_center_;
@@ -197,13 +212,18 @@ void AdvancingFront::Schedule(FrontEdgeId edge, AgendaStage stage, double ratio)
   agenda_.Push(stage, ratio, fronts_.at(edge).birth, edge);
 }
 
+void AdvancingFront::Wait(const EdgeRef& ref) {
+  const double length = Distance(fronts_.at(fronts_.From(ref.edge)).position, fronts_.at(fronts_.To(ref.edge)).position);
+  waiting_.push({std::ilogb(length), waits_++, ref});
+}
+
 void AdvancingFront::Welcome(FrontEdgeId edge) {
   fences_.Insert(edge);
   EdgeState& state = StateOf(edge);
   state = {};
   state.in_area = InArea(edge);
   if (state.in_area) Schedule(edge, AgendaStage::kFree, proposer_.FreeRatio(edge));
-  else waiting_.push_back({edge, fronts_.at(edge).generation});
+  else Wait({edge, fronts_.at(edge).generation});
 }
 
 void AdvancingFront::Farewell(FrontEdgeId edge) {
@@ -218,11 +238,11 @@ void AdvancingFront::Revive(FrontEdgeId edge) {
   Schedule(edge, AgendaStage::kSearch, 0);
 }
 
-// The working area moves to the edge that has waited longest, and takes in every edge around it.
+// The working area moves to the first of the waiting edges, and takes in every edge around it.
 bool AdvancingFront::OpenArea() {
   while (!waiting_.empty()) {
-    const EdgeRef ref = waiting_.front();
-    waiting_.pop_front();
+    const EdgeRef ref = waiting_.top().ref;
+    waiting_.pop();
     if (!fronts_.IsAlive(ref.edge, ref.generation) || StateOf(ref.edge).abandoned || StateOf(ref.edge).stuck) continue;
     const Fence& f = fences_.at(ref.edge);
     area_center_ = 0.5 * (f.start + f.end);
@@ -346,7 +366,7 @@ bool AdvancingFront::RescueStuck() {
   if (strictness_ < kStrictness.size()) {
     for (const EdgeRef& r : stuck) {
       StateOf(r.edge).stuck = false;
-      waiting_.push_back(r);
+      Wait(r);
     }
     return true;
   }
@@ -364,7 +384,7 @@ bool AdvancingFront::RescueStuck() {
   for (const EdgeRef& r : stuck) {
     if (!fronts_.IsAlive(r.edge, r.generation) || StateOf(r.edge).abandoned) continue;
     StateOf(r.edge).stuck = false;
-    waiting_.push_back(r);
+    Wait(r);
   }
   return true;
 }
@@ -601,7 +621,7 @@ absl::StatusOr<FrontReport> AdvancingFront::Run(const std::vector<OrientedLoop>&
   do {
     while (OpenArea() || RescueStuck()) {
       MESHFRONT_RETURN_IF_ERROR(AdvanceArea());
-      if (fronts_.triangle_count() >= 2 * window_after_settling_ + kMinSettleBatch) MESHFRONT_RETURN_IF_ERROR(Settle(false));
+      if (fronts_.triangle_count() >= 3 * window_after_settling_ / 2 + kMinSettleBatch) MESHFRONT_RETURN_IF_ERROR(Settle(false));
     }
     MESHFRONT_RETURN_IF_ERROR(Settle(true));
   } while (fronts_.triangle_count() > 0 || !waiting_.empty());  // the last look may have taken everything back to the rims
