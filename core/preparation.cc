@@ -48,8 +48,9 @@ double ScaleFor(double diagonal) {
 
 absl::Status Mend(TriangleMesh& mesh, bool repair, InputReport& report, const Context& context) {
   if (mesh.triangles.empty()) {
-    return absl::FailedPreconditionError(absl::StrCat("the input is a point set (", mesh.positions.size(),
-                                                      " points and no triangles); meshing point sets is not supported yet"));
+    return absl::FailedPreconditionError(
+        absl::StrCat("the input is a point set (", mesh.positions.size(),
+                     " points and no triangles); meshing point sets is not supported yet"));
   }
   if (!repair) return RequireManifold(mesh);
   MESHFRONT_ASSIGN_OR_RETURN(RepairResult repaired, RepairMesh(std::move(mesh), context));
@@ -87,10 +88,12 @@ absl::Status SetClamps(const RemeshOptions& options, const std::vector<double>& 
   const double least = std::min(kMinEdgePerDiagonal * diagonal, kMinEdgePerComponent * smallest);
   p.parameters.min_edge = Resolve(options.min_edge, diagonal, p.scale, least);
   p.parameters.max_edge = Resolve(options.max_edge, diagonal, p.scale, kMaxEdgePerComponent * largest);
-  if (options.min_edge && !options.max_edge) p.parameters.max_edge = std::max(p.parameters.max_edge, p.parameters.min_edge);
+  if (options.min_edge && !options.max_edge)
+    p.parameters.max_edge = std::max(p.parameters.max_edge, p.parameters.min_edge);
   if (p.parameters.min_edge > p.parameters.max_edge) {
     return absl::InvalidArgumentError(absl::StrCat("options.min_edge is ", p.parameters.min_edge / p.scale,
-                                                   "; it must not exceed the longest edge, ", p.parameters.max_edge / p.scale));
+                                                   "; it must not exceed the longest edge, ",
+                                                   p.parameters.max_edge / p.scale));
   }
   return absl::OkStatus();
 }
@@ -100,9 +103,11 @@ absl::StatusOr<std::vector<SizingSample>> SizeSamples(const RemeshOptions& optio
                                                       const Context& context) {
   const MeshSurface& surface = *p.surface;
   const auto ideal_length = [&](double max_curvature) {
-    return std::clamp(IdealLengthFor(options, edge_length, max_curvature), p.parameters.min_edge, p.parameters.max_edge);
+    return std::clamp(IdealLengthFor(options, edge_length, max_curvature), p.parameters.min_edge,
+                      p.parameters.max_edge);
   };
-  MESHFRONT_ASSIGN_OR_RETURN(const std::vector<CurvatureSample> places, surface.CurvatureSamples(ideal_length, true, context));
+  MESHFRONT_ASSIGN_OR_RETURN(const std::vector<CurvatureSample> places,
+                             surface.CurvatureSamples(ideal_length, true, context));
   std::vector<double> longest(surface.mesh().positions.size(), 0);
   for (uint32_t f = 0; f < surface.mesh().triangles.size(); ++f) {
     for (const VertexId v : surface.mesh().triangles[f]) {
@@ -114,13 +119,16 @@ absl::StatusOr<std::vector<SizingSample>> SizeSamples(const RemeshOptions& optio
   for (size_t i = 0; i < places.size(); ++i) {
     const CurvatureSample& place = places[i];
     const double wanted = IdealLengthFor(options, edge_length, place.max_curvature);
-    double length = std::min(wanted, LengthForError(kErrorPerSheetDistance * place.sheet_distance, place.max_curvature));
-    if (i < longest.size() && !options.max_edge && options.sizing != Sizing::kUniform) length = std::min(length, longest[i]);
+    double length =
+        std::min(wanted, LengthForError(kErrorPerSheetDistance * place.sheet_distance, place.max_curvature));
+    if (i < longest.size() && !options.max_edge && options.sizing != Sizing::kUniform)
+      length = std::min(length, longest[i]);
     length = std::clamp(length, p.parameters.min_edge, p.parameters.max_edge);
     p.parameters.clamped_samples += std::isfinite(wanted) && length != wanted;
     samples.push_back({place.position, length});
   }
-  MESHFRONT_ASSIGN_OR_RETURN(const std::vector<SizingSample> rim, BoundarySizingSamples(surface, ideal_length, context));
+  MESHFRONT_ASSIGN_OR_RETURN(const std::vector<SizingSample> rim,
+                             BoundarySizingSamples(surface, ideal_length, context));
   samples.insert(samples.end(), rim.begin(), rim.end());
   return samples;
 }

@@ -22,7 +22,7 @@ struct Preparation {
   std::vector<OrientedLoop> loops;
   std::vector<SourcePoint> seeds;
   double predicted_triangles = 0;
-  double scale = 1;   // the surface is the input times this power of two
+  double scale = 1;  // the surface is the input times this power of two
   StageSeconds seconds;
 };
 

@@ -43,7 +43,8 @@ class OutgoingSink : public MeshSink {
 
 absl::Status CheckLength(absl::string_view field, const std::optional<Length>& length) {
   if (!length || (std::isfinite(length->value) && length->value > 0)) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrCat("options.", field, " is ", length->value, "; it must be finite and positive"));
+  return absl::InvalidArgumentError(
+      absl::StrCat("options.", field, " is ", length->value, "; it must be finite and positive"));
 }
 
 int ThreadsInForce(const Context& context) {
@@ -105,7 +106,8 @@ absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& co
   OutgoingSink outgoing(sink, p.scale, start);
   const RemeshOptions& o = p.parameters.options;
   const double error_per_length = o.sizing == Sizing::kAngle ? ErrorPerLength(o.rho) : 1;
-  const FrontOptions options{o.flips, o.smooth, o.fit, error_per_length, static_cast<uint64_t>(std::min(p.predicted_triangles, 1e18))};
+  const FrontOptions options{o.flips, o.smooth, o.fit, error_per_length,
+                             static_cast<uint64_t>(std::min(p.predicted_triangles, 1e18))};
   MESHFRONT_ASSIGN_OR_RETURN(const FrontReport front,
                              AdvanceFront(*p.surface, *p.field, p.loops, p.seeds, options, outgoing, context));
   Report report;

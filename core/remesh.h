@@ -26,16 +26,16 @@ struct Length {
 
 // What a caller may choose. Defaults are those of the contract; unset optionals are derived from the input.
 struct RemeshOptions {
-  double rho = 0.8;                      // angle an edge subtends, radians, (0, 2π/3]
-  double eta = 1.2;                      // bound on the ratio of incident edges, (1, 2)
+  double rho = 0.8;  // angle an edge subtends, radians, (0, 2π/3]
+  double eta = 1.2;  // bound on the ratio of incident edges, (1, 2)
   Sizing sizing = Sizing::kAngle;
-  std::optional<Length> edge_length;     // the ideal length everywhere; only with Sizing::kUniform
-  std::optional<Length> min_edge;        // clamp of the edge length
+  std::optional<Length> edge_length;  // the ideal length everywhere; only with Sizing::kUniform
+  std::optional<Length> min_edge;     // clamp of the edge length
   std::optional<Length> max_edge;
-  bool flips = true;                     // edge flips behind the front
-  bool smooth = true;                    // guarded smoothing and optimisation behind the front
-  bool fit = true;                       // vertices moved along the normal to fit the surface between them
-  bool repair = true;                    // mend the input first, each change reported; false: refuse what would need it
+  bool flips = true;   // edge flips behind the front
+  bool smooth = true;  // guarded smoothing and optimisation behind the front
+  bool fit = true;     // vertices moved along the normal to fit the surface between them
+  bool repair = true;  // mend the input first, each change reported; false: refuse what would need it
 };
 // InvalidArgument naming the field, the value and the rule, e.g. "options.eta is 2.5; it must be in (1, 2)".
 absl::Status ValidateOptions(const RemeshOptions& options);
@@ -47,16 +47,16 @@ struct Problem {
 
 struct InputReport {
   bool is_point_set = false;
-  TopologyReport topology;             // of the mesh after repair
-  std::vector<RepairAction> repairs;   // what was changed
-  double diagonal = 0;                 // of the bounding box
+  TopologyReport topology;            // of the mesh after repair
+  std::vector<RepairAction> repairs;  // what was changed
+  double diagonal = 0;                // of the bounding box
 };
 
 // The parameters in force after defaults and clamps were derived.
 struct ParametersInForce {
   RemeshOptions options;
-  double min_edge = 0, max_edge = 0;   // absolute
-  uint64_t clamped_samples = 0;        // sizing samples that a clamp changed
+  double min_edge = 0, max_edge = 0;  // absolute
+  uint64_t clamped_samples = 0;       // sizing samples that a clamp changed
 };
 
 struct StageSeconds {
@@ -67,12 +67,16 @@ struct Report {
   InputReport input;
   ParametersInForce parameters;
   uint64_t predicted_triangles = 0;
-  double error_bound = 0;              // eq. 7 with the longest edge and the angle in force, absolute
+  double error_bound = 0;  // eq. 7 with the longest edge and the angle in force, absolute
   TopologyReport output;
-  bool complete = true;                // false: open_places lists where the mesh could not be closed
+  bool complete = true;  // false: open_places lists where the mesh could not be closed
   std::vector<Vec3> open_places;
-  struct { double radius_ratio_min = 0, radius_ratio_p0_5 = 0, radius_ratio_median = 0, min_angle_deg = 0; } quality;
-  struct { uint64_t free = 0, connection = 0, closing = 0; } triangles_by_kind;
+  struct {
+    double radius_ratio_min = 0, radius_ratio_p0_5 = 0, radius_ratio_median = 0, min_angle_deg = 0;
+  } quality;
+  struct {
+    uint64_t free = 0, connection = 0, closing = 0;
+  } triangles_by_kind;
   uint64_t flips = 0;
   uint64_t peak_front_edges = 0;
   std::vector<std::pair<std::string, uint64_t>> refusals;  // how often each test refused a candidate

@@ -60,6 +60,7 @@ ExitCode RunEstimate(const EstimateArguments& arguments) {
       (*connection)->client().Estimate(std::move(read->mesh), parsed->call);
   interruption.OnSignal([] {});
   if (!estimate.ok()) return Fail(ExitCodeOfCall(estimate.status()), estimate.status());
+  PrintWarnings(read->warnings);
   if (arguments.json)
     std::cout << EstimateJson(*estimate).dump(2) << "\n";
   else

@@ -67,6 +67,7 @@ ExitCode RunInfo(const std::string& path, const CallFlags& flags) {
   if (!format.ok()) return Fail(ExitCode::kUsage, format.status());
   const absl::StatusOr<ReadResult> read = ReadInput(path, *format);
   if (!read.ok()) return Fail(ExitCode::kInput, read.status());
+  PrintWarnings(read->warnings);
   PrintContents(path, *read);
   if (!read->mesh.IsPointSet()) PrintTopology(MeasureTopology(read->mesh));
   PrintDefects(FindDefects(read->mesh));

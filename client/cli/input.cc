@@ -42,11 +42,10 @@ absl::StatusOr<ReadResult> Read(const std::string& path, Format format) {
 
 }  // namespace
 
-absl::StatusOr<ReadResult> ReadInput(const std::string& path, Format format) {
-  absl::StatusOr<ReadResult> result = Read(path, format);
-  if (!result.ok()) return result;
-  for (const std::string& warning : result->warnings) std::cerr << "meshfront: warning: " << warning << "\n";
-  return result;
+absl::StatusOr<ReadResult> ReadInput(const std::string& path, Format format) { return Read(path, format); }
+
+void PrintWarnings(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) std::cerr << "meshfront: warning: " << warning << "\n";
 }
 
 }  // namespace meshfront

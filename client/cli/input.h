@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "client/cli/arguments.h"
@@ -9,7 +10,10 @@
 
 namespace meshfront {
 
-// `path` may be "-". Warnings of the reader go to standard error, one line each.
+// `path` may be "-".
 absl::StatusOr<ReadResult> ReadInput(const std::string& path, Format format);
+
+// To standard error, one line each. Not called by a run that fails: its one sentence says why.
+void PrintWarnings(const std::vector<std::string>& warnings);
 
 }  // namespace meshfront

@@ -28,6 +28,7 @@ struct Measures {
 absl::StatusOr<TriangleMesh> ReadTriangles(const std::string& path, Format format) {
   MESHFRONT_ASSIGN_OR_RETURN(ReadResult read, ReadInput(path, format));
   if (read.mesh.IsPointSet()) return absl::InvalidArgumentError(absl::StrCat(path, " holds no triangles to measure"));
+  PrintWarnings(read.warnings);
   return std::move(read.mesh);
 }
 

@@ -83,10 +83,11 @@ class RemeshCommand {
     absl::StatusOr<ReadResult> read = ReadInput(arguments_.in, in_format_);
     if (!read.ok()) return Fail(ExitCode::kInput, read.status());
     input_ = std::move(read->mesh);
+    warnings_ = std::move(read->warnings);
     figures_.read = absl::ToDoubleSeconds(absl::Now() - begin);
     if (arguments_.meshing.attributes != "drop" && !input_.dropped_attributes.empty()) {
-      std::cerr << "meshfront: warning: attributes are not carried over yet: "
-                << absl::StrJoin(input_.dropped_attributes, ", ") << "\n";
+      warnings_.push_back(
+          absl::StrCat("attributes are not carried over yet: ", absl::StrJoin(input_.dropped_attributes, ", ")));
     }
     return ExitCode::kDone;
   }
@@ -136,6 +137,7 @@ class RemeshCommand {
     if (!collector.local_error().ok()) return Fail(ExitCode::kOutput, collector.local_error());
     if (!summary.ok()) return FailCall(summary.status());
     summary_ = *std::move(summary);
+    PrintWarnings(warnings_);
     if (finished.ok()) finished = spool.Finish();
     return finished.ok() ? ExitCode::kDone : Fail(ExitCode::kOutput, finished);
   }
@@ -216,6 +218,7 @@ class RemeshCommand {
   double timeout_ = 0;
   Format in_format_ = Format::kUnknown, out_format_ = Format::kUnknown;
   TriangleMesh input_;
+  std::vector<std::string> warnings_;
   std::optional<BeforeAfterPicture> picture_;
   std::optional<ChunkSpool> spool_;
   v1::Summary summary_;

@@ -10,12 +10,18 @@ namespace meshfront {
 
 std::string_view StageName(Stage stage) {
   switch (stage) {
-    case Stage::kRepair: return "repair";
-    case Stage::kIndex: return "index";
-    case Stage::kCurvature: return "curvature";
-    case Stage::kGuidance: return "guidance";
-    case Stage::kFeatures: return "features";
-    case Stage::kMesh: return "mesh";
+    case Stage::kRepair:
+      return "repair";
+    case Stage::kIndex:
+      return "index";
+    case Stage::kCurvature:
+      return "curvature";
+    case Stage::kGuidance:
+      return "guidance";
+    case Stage::kFeatures:
+      return "features";
+    case Stage::kMesh:
+      return "mesh";
   }
   return "unknown";
 }
@@ -37,8 +43,10 @@ absl::Status ParallelFor(size_t count, size_t grain, const Context& context,
   std::atomic<bool> stopped{false};
   auto work = [&] {
     for (size_t block = next++; block < blocks && !stopped; block = next++) {
-      if (!context.CheckStop().ok()) stopped = true;
-      else body(block * grain, std::min(count, (block + 1) * grain));
+      if (!context.CheckStop().ok())
+        stopped = true;
+      else
+        body(block * grain, std::min(count, (block + 1) * grain));
     }
   };
   std::vector<std::thread> helpers;

@@ -6,9 +6,9 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 
-#define MESHFRONT_RETURN_IF_ERROR(expression)             \
-  do {                                                    \
-    ::absl::Status meshfront_status_ = (expression);      \
+#define MESHFRONT_RETURN_IF_ERROR(expression)              \
+  do {                                                     \
+    ::absl::Status meshfront_status_ = (expression);       \
     if (!meshfront_status_.ok()) return meshfront_status_; \
   } while (false)
 

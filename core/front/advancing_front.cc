@@ -41,16 +41,16 @@ namespace {
 
 using namespace front_tolerances;
 
-constexpr int kStepsBetweenChecks = 64;         // of the stop flag and the clock: well under a millisecond
-constexpr size_t kMinSettleBatch = 3000;        // triangles, before the window is worth a sweep
-constexpr int kMaxLoopToTriangulate = 64;       // edges; the triangulation is cubic
-constexpr double kRollBackLength = 0.7;         // of g, where the front has to advance again
+constexpr int kStepsBetweenChecks = 64;    // of the stop flag and the clock: well under a millisecond
+constexpr size_t kMinSettleBatch = 3000;   // triangles, before the window is worth a sweep
+constexpr int kMaxLoopToTriangulate = 64;  // edges; the triangulation is cubic
+constexpr double kRollBackLength = 0.7;    // of g, where the front has to advance again
 constexpr size_t kMaxRollBacksAtAPlace = 3;
 constexpr size_t kMaxRollBacks = 500;
 constexpr int kRollBackRings = 2;
-constexpr double kRollBackReach = 4.0;           // edge lengths around a place that count as the same place
-constexpr double kOwnIntersectionReach = 1.5;    // edge lengths around a fault in which the surface may meet itself
-constexpr double kDihedralPenalty = 4.0;        // weight of a fold in a closure, against one mean squared edge
+constexpr double kRollBackReach = 4.0;         // edge lengths around a place that count as the same place
+constexpr double kOwnIntersectionReach = 1.5;  // edge lengths around a fault in which the surface may meet itself
+constexpr double kDihedralPenalty = 4.0;       // weight of a fold in a closure, against one mean squared edge
 
 struct EdgeRef {
   FrontEdgeId edge;
@@ -71,7 +71,11 @@ class AdvancingFront {
  public:
   AdvancingFront(const Surface& surface, const GuidanceField& field, const FrontOptions& options, MeshSink& sink,
                  const Context& context)
-      : surface_(surface), field_(field), options_(options), context_(context), fences_(fronts_),
+      : surface_(surface),
+        field_(field),
+        options_(options),
+        context_(context),
+        fences_(fronts_),
         proposer_(surface, fronts_, fences_),
         window_(surface, fronts_, {options.flips, options.smooth, options.fit, options.error_per_length}, sink) {}
 
@@ -82,9 +86,9 @@ class AdvancingFront {
   struct EdgeState {
     AgendaStage stage = AgendaStage::kFree;
     bool in_area = false;
-    bool stuck = false;     // no acceptable triangle at the present strictness
-    bool abandoned = false; // reported as an open place
-    FrontEdgeId corner;     // the connection found
+    bool stuck = false;      // no acceptable triangle at the present strictness
+    bool abandoned = false;  // reported as an open place
+    FrontEdgeId corner;      // the connection found
     uint32_t corner_generation = 0;
   };
 
@@ -93,11 +97,11 @@ class AdvancingFront {
   void AddSeed(const SourcePoint& seed);
   bool TrySeed(const SourcePoint& seed, double length, const Vec3& direction);
 
-  void Welcome(FrontEdgeId edge);                 // a new front edge: into the index and onto the agenda or the waiting list
+  void Welcome(FrontEdgeId edge);  // a new front edge: into the index and onto the agenda or the waiting list
   void Wait(const EdgeRef& ref);
   void Schedule(FrontEdgeId edge, AgendaStage stage, double ratio);
-  void Farewell(FrontEdgeId edge);                // before it is consumed
-  void Revive(FrontEdgeId edge);                  // its surroundings changed
+  void Farewell(FrontEdgeId edge);  // before it is consumed
+  void Revive(FrontEdgeId edge);    // its surroundings changed
   bool OpenArea();
   bool InArea(FrontEdgeId edge) const;
   absl::Status AdvanceArea();
@@ -109,7 +113,7 @@ class AdvancingFront {
   void AfterStep(const FrontSet::Step& step);
 
   absl::Status Settle(bool everything);
-  bool RescueStuck();                             // the next rung of the ladder; false when nothing is left to do
+  bool RescueStuck();  // the next rung of the ladder; false when nothing is left to do
   std::vector<FrontEdgeId> LoopOf(FrontEdgeId edge) const;
   bool CloseLoop(const std::vector<FrontEdgeId>& loop, const Strictness& strictness);
   bool RollBackLoop(const std::vector<FrontEdgeId>& loop);
@@ -151,9 +155,9 @@ class AdvancingFront {
   size_t window_after_settling_ = 0;
   uint64_t peak_front_edges_ = 0, roll_backs_ = 0;
   uint64_t rim_edges_ = 0, rim_loops_ = 0;
-  std::vector<uint32_t> labels_;      // union-find over the origins of the fronts: counts the components
+  std::vector<uint32_t> labels_;  // union-find over the origins of the fronts: counts the components
   size_t lost_components_ = 0;
-  std::vector<Vec3> open_places_;     // seeds without a triangle; the loops that stay open are found at the end
+  std::vector<Vec3> open_places_;  // seeds without a triangle; the loops that stay open are found at the end
 };
 
 WindowVertexId AdvancingFront::NewVertex(const SourcePoint& source, uint32_t origin) {
@@ -213,7 +217,8 @@ void AdvancingFront::Schedule(FrontEdgeId edge, AgendaStage stage, double ratio)
 }
 
 void AdvancingFront::Wait(const EdgeRef& ref) {
-  const double length = Distance(fronts_.at(fronts_.From(ref.edge)).position, fronts_.at(fronts_.To(ref.edge)).position);
+  const double length =
+      Distance(fronts_.at(fronts_.From(ref.edge)).position, fronts_.at(fronts_.To(ref.edge)).position);
   waiting_.push({std::ilogb(length), waits_++, ref});
 }
 
@@ -222,8 +227,10 @@ void AdvancingFront::Welcome(FrontEdgeId edge) {
   EdgeState& state = StateOf(edge);
   state = {};
   state.in_area = InArea(edge);
-  if (state.in_area) Schedule(edge, AgendaStage::kFree, proposer_.FreeRatio(edge));
-  else Wait({edge, fronts_.at(edge).generation});
+  if (state.in_area)
+    Schedule(edge, AgendaStage::kFree, proposer_.FreeRatio(edge));
+  else
+    Wait({edge, fronts_.at(edge).generation});
 }
 
 void AdvancingFront::Farewell(FrontEdgeId edge) {
@@ -253,8 +260,10 @@ bool AdvancingFront::OpenArea() {
       EdgeState& state = StateOf(e);
       if (!InArea(e) || state.abandoned || state.stuck) continue;
       state.in_area = true;
-      if (state.stage == AgendaStage::kFree) Schedule(e, AgendaStage::kFree, proposer_.FreeRatio(e));
-      else Schedule(e, AgendaStage::kSearch, 0);
+      if (state.stage == AgendaStage::kFree)
+        Schedule(e, AgendaStage::kFree, proposer_.FreeRatio(e));
+      else
+        Schedule(e, AgendaStage::kSearch, 0);
     }
     return true;
   }
@@ -358,10 +367,13 @@ std::vector<FrontEdgeId> AdvancingFront::LoopOf(FrontEdgeId edge) const {
 bool AdvancingFront::RescueStuck() {
   std::vector<EdgeRef> stuck;
   stuck.swap(stuck_);
-  std::erase_if(stuck, [&](const EdgeRef& r) { return !fronts_.IsAlive(r.edge, r.generation) || StateOf(r.edge).abandoned; });
+  std::erase_if(stuck,
+                [&](const EdgeRef& r) { return !fronts_.IsAlive(r.edge, r.generation) || StateOf(r.edge).abandoned; });
   if (stuck.empty()) return false;
-  if (steps_ != steps_at_last_rescue_) strictness_ = 0;
-  else ++strictness_;
+  if (steps_ != steps_at_last_rescue_)
+    strictness_ = 0;
+  else
+    ++strictness_;
   steps_at_last_rescue_ = steps_;
   if (strictness_ < kStrictness.size()) {
     for (const EdgeRef& r : stuck) {
@@ -412,10 +424,12 @@ bool AdvancingFront::CloseLoop(const std::vector<FrontEdgeId>& loop, const Stric
     }
     const Vec3 area = AreaVector(r.position, q.position, p.position);
     const Vec3 normal = Normalized(area);
-    const double agreement = std::min({Dot(normal, p.source.normal), Dot(normal, q.source.normal), Dot(normal, r.source.normal)});
+    const double agreement =
+        std::min({Dot(normal, p.source.normal), Dot(normal, q.source.normal), Dot(normal, r.source.normal)});
     if (agreement < strictness.min_normal_cosine) return -1;
-    const double longest = std::sqrt(std::max({SquaredDistance(p.position, q.position), SquaredDistance(q.position, r.position),
-                                               SquaredDistance(r.position, p.position)}));
+    const double longest =
+        std::sqrt(std::max({SquaredDistance(p.position, q.position), SquaredDistance(q.position, r.position),
+                            SquaredDistance(r.position, p.position)}));
     if (strictness.sheet_tolerance < 1 &&
         !proposer_.StandsForSurface(r.source, p.source, q.source, false, false, strictness.sheet_tolerance * longest)) {
       return -1;
@@ -488,9 +502,8 @@ bool AdvancingFront::RollBack(std::vector<WindowVertexId> around, int rings) {
   if (removed.empty()) return false;
   const bool whole = std::none_of(removed.begin(), removed.end(), [&](WindowTriangleId t) {
     const auto& across = fronts_.at(t).across;
-    return std::any_of(across.begin(), across.end(), [&](Link l) {
-      return !l.is_front() && !(l.is_half_edge() && doomed[l.triangle().index()]);
-    });
+    return std::any_of(across.begin(), across.end(),
+                       [&](Link l) { return !l.is_front() && !(l.is_half_edge() && doomed[l.triangle().index()]); });
   });
   const SourcePoint place = fronts_.at(around[0]).source;
   const uint32_t label = RootOf(fronts_.at(around[0]).origin);
@@ -524,8 +537,10 @@ bool AdvancingFront::RollBack(std::vector<WindowVertexId> around, int rings) {
 void AdvancingFront::SeedAgain(const SourcePoint& seed, uint32_t label) {
   const size_t labels = labels_.size();
   AddSeed(seed);
-  if (labels_.size() > labels) labels_[label] = static_cast<uint32_t>(labels);
-  else ++lost_components_;
+  if (labels_.size() > labels)
+    labels_[label] = static_cast<uint32_t>(labels);
+  else
+    ++lost_components_;
 }
 
 void AdvancingFront::Abandon(const std::vector<FrontEdgeId>& loop) {
@@ -580,7 +595,7 @@ absl::Status AdvancingFront::Settle(bool everything) {
     window_.GiveUp(t);
   }
   if (taken_back && everything) return absl::OkStatus();  // the caller advances and settles again
-  if (taken_back) window_.MeasureDepth();  // fronts are back where none was
+  if (taken_back) window_.MeasureDepth();                 // fronts are back where none was
   MESHFRONT_RETURN_IF_ERROR(context_.CheckStop());
   MESHFRONT_RETURN_IF_ERROR(window_.Emit(everything));
   window_after_settling_ = fronts_.triangle_count();
@@ -614,17 +629,20 @@ FrontReport AdvancingFront::Summarise() const {
   return report;
 }
 
-absl::StatusOr<FrontReport> AdvancingFront::Run(const std::vector<OrientedLoop>& loops, const std::vector<SourcePoint>& seeds) {
+absl::StatusOr<FrontReport> AdvancingFront::Run(const std::vector<OrientedLoop>& loops,
+                                                const std::vector<SourcePoint>& seeds) {
   for (const OrientedLoop& loop : loops) AddLoop(loop);
   for (const SourcePoint& seed : seeds) AddSeed(seed);
   ReportProgress();
   do {
     while (OpenArea() || RescueStuck()) {
       MESHFRONT_RETURN_IF_ERROR(AdvanceArea());
-      if (fronts_.triangle_count() >= 3 * window_after_settling_ / 2 + kMinSettleBatch) MESHFRONT_RETURN_IF_ERROR(Settle(false));
+      if (fronts_.triangle_count() >= 3 * window_after_settling_ / 2 + kMinSettleBatch)
+        MESHFRONT_RETURN_IF_ERROR(Settle(false));
     }
     MESHFRONT_RETURN_IF_ERROR(Settle(true));
-  } while (fronts_.triangle_count() > 0 || !waiting_.empty());  // the last look may have taken everything back to the rims
+  } while (fronts_.triangle_count() > 0 ||
+           !waiting_.empty());  // the last look may have taken everything back to the rims
   return Summarise();
 }
 

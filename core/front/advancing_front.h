@@ -17,10 +17,11 @@
 namespace meshfront {
 
 struct FrontOptions {
-  bool flips = true;    // edge flips behind the front
-  bool smooth = true;   // guarded smoothing and optimisation behind the front
-  bool fit = true;      // vertices moved along the normal to fit the surface between them
-  double error_per_length = 1;       // ξ of eq. 6 for the angle in force: the fit keeps each triangle within ξ of its longest edge
+  bool flips = true;   // edge flips behind the front
+  bool smooth = true;  // guarded smoothing and optimisation behind the front
+  bool fit = true;     // vertices moved along the normal to fit the surface between them
+  double error_per_length =
+      1;  // ξ of eq. 6 for the angle in force: the fit keeps each triangle within ξ of its longest edge
   uint64_t predicted_triangles = 0;  // for progress only
 };
 
@@ -29,12 +30,13 @@ struct FrontReport {
   uint64_t free_triangles = 0, connection_triangles = 0, closing_triangles = 0;
   uint64_t flips = 0;
   uint64_t peak_front_edges = 0;
-  uint64_t roll_backs = 0;           // places where the front was taken back and advanced again at finer steps
-  uint64_t components = 0;           // of the output
+  uint64_t roll_backs = 0;  // places where the front was taken back and advanced again at finer steps
+  uint64_t components = 0;  // of the output
   uint64_t boundary_edges = 0, boundary_loops = 0;
   double longest_edge = 0;
   QualityReport quality;
-  std::vector<Vec3> open_places;     // where the mesh could not be closed, or not without an intersection; empty when all is well
+  std::vector<Vec3>
+      open_places;  // where the mesh could not be closed, or not without an intersection; empty when all is well
   std::vector<std::pair<std::string, uint64_t>> refusals;  // by verdict
 };
 

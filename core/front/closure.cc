@@ -17,7 +17,8 @@ std::optional<std::vector<ClosureStep>> TriangulateLoop(int count, const Closure
         const double below = best[at(first, k)] + best[at(k, last)];
         if (!(below < best[at(first, last)])) continue;
         const double own = weight(first, k, last);
-        if (own >= 0 && below + own < best[at(first, last)]) best[at(first, last)] = below + own, apex[at(first, last)] = k;
+        if (own >= 0 && below + own < best[at(first, last)])
+          best[at(first, last)] = below + own, apex[at(first, last)] = k;
       }
     }
   }

@@ -93,28 +93,38 @@ void FenceIndex::Insert(FrontEdgeId edge) {
   const WindowVertexId from = fronts_->From(edge), to = fronts_->To(edge);
   const WindowVertex &a = fronts_->at(from), &b = fronts_->at(to);
   const double length = Distance(a.position, b.position);
-  fences_[edge.index()] = {edge, from, to, a.position, b.position, Normalized(a.source.normal + b.source.normal),
-      FenceHalfHeight(length, std::max(a.max_curvature, b.max_curvature))};
+  fences_[edge.index()] = {edge,
+                           from,
+                           to,
+                           a.position,
+                           b.position,
+                           Normalized(a.source.normal + b.source.normal),
+                           FenceHalfHeight(length, std::max(a.max_curvature, b.max_curvature))};
   s.middle = 0.5 * (a.position + b.position);
   s.half_length = 0.5 * length;
   s.level = std::clamp((length > 0 ? std::ilogb(length) : -1074) + kLevelOffset, 0, kLevels - 1);
   const double size = CellSize(s.level);
-  s.cell = CellOf(s.level, CellCoordinate(s.middle.x, size), CellCoordinate(s.middle.y, size), CellCoordinate(s.middle.z, size));
+  s.cell = CellOf(s.level, CellCoordinate(s.middle.x, size), CellCoordinate(s.middle.y, size),
+                  CellCoordinate(s.middle.z, size));
   if (members_[s.level].empty()) {
     levels_in_use_.insert(std::lower_bound(levels_in_use_.begin(), levels_in_use_.end(), s.level), s.level);
   }
   s.place = static_cast<uint32_t>(members_[s.level].size());
   members_[s.level].push_back(edge.index());
-  if (++count_ > buckets_.size()) Rehash();
-  else LinkSlot(edge.index());
+  if (++count_ > buckets_.size())
+    Rehash();
+  else
+    LinkSlot(edge.index());
 }
 
 void FenceIndex::Erase(FrontEdgeId edge) {
   if (edge.index() >= slots_.size()) return;
   Slot& s = slots_[edge.index()];
   if (s.level < 0) return;
-  if (s.prev != kNone) slots_[s.prev].next = s.next;
-  else Bucket(s.cell) = s.next;
+  if (s.prev != kNone)
+    slots_[s.prev].next = s.next;
+  else
+    Bucket(s.cell) = s.next;
   if (s.next != kNone) slots_[s.next].prev = s.prev;
   --count_;
   std::vector<uint32_t>& members = members_[s.level];

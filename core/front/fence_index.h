@@ -15,8 +15,8 @@ struct Fence {
   FrontEdgeId edge;
   WindowVertexId from, to;
   Vec3 start, end;
-  Vec3 normal;        // mean of the surface normals at the ends, unit length
-  double half_height; // h
+  Vec3 normal;         // mean of the surface normals at the ends, unit length
+  double half_height;  // h
 };
 
 // A segment that is about to become an edge.
@@ -60,7 +60,7 @@ class FenceIndex {
     double half_length = 0;
     uint64_t cell = 0;
     uint32_t next = kNone, prev = kNone;
-    int level = -1;  // −1: not in the index
+    int level = -1;      // −1: not in the index
     uint32_t place = 0;  // among the members of its level
   };
   static constexpr uint32_t kNone = 0xffffffffu;

@@ -128,8 +128,8 @@ FrontSet::Step FrontSet::Grow(FrontEdgeId edge, WindowVertexId apex) {
 FrontSet::Step FrontSet::Connect(FrontEdgeId edge, FrontEdgeId corner, TriangleKind kind) {
   const FrontEdge e = at(edge), before = at(e.prev), after = at(e.next), apex = at(corner);
   const WindowVertexId a = e.from, b = after.from, c = apex.from;
-  const bool zip_before = corner == e.prev;         // c → a is the edge before
-  const bool zip_after = corner == after.next;      // b → c is the edge after
+  const bool zip_before = corner == e.prev;     // c → a is the edge before
+  const bool zip_after = corner == after.next;  // b → c is the edge after
   Step step;
   step.triangle = NewTriangle(b, a, c, kind);
   const Link side_ac = Link::HalfEdge(step.triangle, 1), side_cb = Link::HalfEdge(step.triangle, 2);
@@ -175,13 +175,16 @@ FrontEdgeId FrontSet::CornerAfterRemoval(Link side, const std::vector<FrontEdgeI
 std::vector<FrontEdgeId> FrontSet::Remove(absl::Span<const WindowTriangleId> removed) {
   std::vector<uint32_t> slot(triangles_.size(), WindowTriangleId::kInvalid);
   for (size_t i = 0; i < removed.size(); ++i) slot[removed[i].index()] = static_cast<uint32_t>(i);
-  const auto is_removed = [&](Link l) { return l.is_half_edge() && slot[l.triangle().index()] != WindowTriangleId::kInvalid; };
+  const auto is_removed = [&](Link l) {
+    return l.is_half_edge() && slot[l.triangle().index()] != WindowTriangleId::kInvalid;
+  };
 
   // New front edges where a removed triangle meets something that stays, indexed by the removed side.
   std::vector<FrontEdgeId> made_at(3 * removed.size());
   std::vector<Link> made_from(0);
   std::vector<FrontEdgeId> made, gone;
-  std::vector<std::pair<FrontEdgeId, Link>> survivors;  // front edges whose next is gone, and the removed side that it owned
+  std::vector<std::pair<FrontEdgeId, Link>>
+      survivors;  // front edges whose next is gone, and the removed side that it owned
   for (size_t i = 0; i < removed.size(); ++i) {
     for (int side = 0; side < 3; ++side) {
       const Link across = at(removed[i]).across[side];
@@ -214,7 +217,8 @@ std::vector<FrontEdgeId> FrontSet::Remove(absl::Span<const WindowTriangleId> rem
     const Link owner = at(e).owner;
     if (!owner.is_half_edge()) continue;
     at(From(e)).half_edge = owner;
-    at(at(owner.triangle()).corners[Next(owner.side())]).half_edge = Link::HalfEdge(owner.triangle(), Next(owner.side()));
+    at(at(owner.triangle()).corners[Next(owner.side())]).half_edge =
+        Link::HalfEdge(owner.triangle(), Next(owner.side()));
   }
   // A vertex pinched between kept triangles may have none of the new edges' triangles at its fan; its corners know one.
   for (const WindowVertexId v : touched) {
@@ -222,8 +226,10 @@ std::vector<FrontEdgeId> FrontSet::Remove(absl::Span<const WindowTriangleId> rem
     if (!w.alive || w.half_edge.is_half_edge()) continue;
     for (FrontEdgeId c = w.first_corner; c.valid(); c = at(c).next_at_vertex) {
       const Link owner = at(c).owner, before = at(at(c).prev).owner;
-      if (owner.is_half_edge()) w.half_edge = owner;
-      else if (before.is_half_edge()) w.half_edge = Link::HalfEdge(before.triangle(), Next(before.side()));
+      if (owner.is_half_edge())
+        w.half_edge = owner;
+      else if (before.is_half_edge())
+        w.half_edge = Link::HalfEdge(before.triangle(), Next(before.side()));
     }
     if (!w.first_corner.valid()) {
       w.alive = false;
@@ -287,7 +293,8 @@ std::vector<VertexId> FrontSet::Settle(absl::Span<const WindowTriangleId> settle
   std::vector<VertexId> finalised;
   for (const WindowVertexId v : touched) {
     WindowVertex& w = at(v);
-    if (!w.alive || w.triangles > 0 || w.first_corner.valid()) continue;  // not by half_edge: it knows one run of several
+    if (!w.alive || w.triangles > 0 || w.first_corner.valid())
+      continue;  // not by half_edge: it knows one run of several
     w.alive = false;
     finalised.push_back(w.emitted);
     free_vertices_.push_back(v.index());
@@ -344,7 +351,8 @@ const char* FrontSet::FindViolation() const {
     if (e.from == To(FrontEdgeId(i))) return "a front edge starts where it ends";
     if (e.owner.is_half_edge()) {
       const WindowTriangle& t = at(e.owner.triangle());
-      if (!t.alive || t.across[e.owner.side()] != Link::Front(FrontEdgeId(i))) return "a front edge and its triangle disagree";
+      if (!t.alive || t.across[e.owner.side()] != Link::Front(FrontEdgeId(i)))
+        return "a front edge and its triangle disagree";
       if (t.corners[e.owner.side()] != e.from) return "a front edge starts elsewhere than its half-edge";
     }
     bool listed = false;
@@ -359,7 +367,8 @@ const char* FrontSet::FindViolation() const {
       if (across.is_front() && !at(across.front()).alive) return "a triangle lies at a front edge that is gone";
       if (!across.is_half_edge()) continue;
       const WindowTriangle& other = at(across.triangle());
-      if (!other.alive || other.across[across.side()] != Link::HalfEdge(WindowTriangleId(i), side)) return "two sides disagree";
+      if (!other.alive || other.across[across.side()] != Link::HalfEdge(WindowTriangleId(i), side))
+        return "two sides disagree";
       if (other.corners[across.side()] != t.corners[Next(side)]) return "two sides run the same way";
     }
   }

@@ -45,15 +45,15 @@ class Link {
 struct WindowVertex {
   SourcePoint source;
   Vec3 position;
-  double length = 0;          // g at its place when it was made
-  double max_curvature = 0;   // of the surface there
-  FrontEdgeId first_corner;   // a front edge that starts here; the others follow by next_at_vertex
+  double length = 0;             // g at its place when it was made
+  double max_curvature = 0;      // of the surface there
+  FrontEdgeId first_corner;      // a front edge that starts here; the others follow by next_at_vertex
   Link half_edge = Link::Rim();  // an outgoing half-edge of some triangle
-  VertexId emitted;           // its id in the output, once it was sent: from then on it may not move
-  uint32_t triangles = 0; // unsettled ones that use it
-  uint32_t origin = 0;    // which loop or seed its front came from (counts the components)
-  uint32_t depth = 0;         // scratch of the settling window: rings between it and the nearest front
-  bool on_rim = false;        // lies on an initial front: keeps its place
+  VertexId emitted;              // its id in the output, once it was sent: from then on it may not move
+  uint32_t triangles = 0;        // unsettled ones that use it
+  uint32_t origin = 0;           // which loop or seed its front came from (counts the components)
+  uint32_t depth = 0;            // scratch of the settling window: rings between it and the nearest front
+  bool on_rim = false;           // lies on an initial front: keeps its place
   bool alive = false;
 
   bool on_front() const { return first_corner.valid(); }
@@ -78,9 +78,9 @@ struct FrontEdge {
   WindowVertexId from;
   FrontEdgeId next, prev;
   FrontEdgeId next_at_vertex;
-  Link owner;              // the half-edge that runs the same way (in the triangle on its left), or the rim
-  uint32_t generation = 0; // counts the lives of this slot, so that stale references are recognised
-  uint32_t birth = 0;      // order of creation
+  Link owner;               // the half-edge that runs the same way (in the triangle on its left), or the rim
+  uint32_t generation = 0;  // counts the lives of this slot, so that stale references are recognised
+  uint32_t birth = 0;       // order of creation
   bool alive = false;
 };
 
@@ -149,7 +149,8 @@ class FrontSet {
   WindowTriangleId NewTriangle(WindowVertexId a, WindowVertexId b, WindowVertexId c, TriangleKind kind);
   void Join(Link half_edge, Link other);  // makes the two (half-edge, rim or settled) lie across each other
   void Chain(FrontEdgeId first, FrontEdgeId second);
-  FrontEdgeId CornerAfterRemoval(Link removed_side, const std::vector<FrontEdgeId>& made_at, const std::vector<uint32_t>& slot) const;
+  FrontEdgeId CornerAfterRemoval(Link removed_side, const std::vector<FrontEdgeId>& made_at,
+                                 const std::vector<uint32_t>& slot) const;
   template <class Visitor>
   bool AnyNeighbour(WindowVertexId v, const Visitor& visit) const;
 

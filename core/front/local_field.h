@@ -15,7 +15,8 @@ class LocalField {
 
   double At(const Vec3& x) const {
     double g = field_->At(x);
-    for (const SizingSample& s : cones_) g = std::min(g, GradedLength(Distance(s.position, x), s.ideal_length, field_->eta()));
+    for (const SizingSample& s : cones_)
+      g = std::min(g, GradedLength(Distance(s.position, x), s.ideal_length, field_->eta()));
     return std::max(g, field_->options().min_length);
   }
   // From now on g(place) ≤ length. The surroundings of the place are what lies within `reach`.
@@ -26,7 +27,8 @@ class LocalField {
   // How many refinements have `place` in their surroundings.
   size_t RefinementsNear(const Vec3& place) const {
     size_t count = 0;
-    for (size_t i = 0; i < cones_.size(); ++i) count += SquaredDistance(cones_[i].position, place) <= reaches_[i] * reaches_[i];
+    for (size_t i = 0; i < cones_.size(); ++i)
+      count += SquaredDistance(cones_[i].position, place) <= reaches_[i] * reaches_[i];
     return count;
   }
   size_t refinements() const { return cones_.size(); }

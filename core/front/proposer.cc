@@ -21,7 +21,8 @@ namespace {
 using namespace front_tolerances;
 
 constexpr double kFreeMinNormalCosine = 0.5;
-constexpr double kMinRadiusPerBase = 0.7, kMaxRadiusPerBase = 1.6;  // free sides against a base that is too long or too short
+constexpr double kMinRadiusPerBase = 0.7,
+                 kMaxRadiusPerBase = 1.6;             // free sides against a base that is too long or too short
 constexpr double kSixtyDegrees = 0.6339745962155614;  // ClockwiseTurn of 60°
 constexpr double kSameSheetResidual = 1e-3;           // in parts of the side: a descent that arrives is exact
 
@@ -78,15 +79,19 @@ Verdict Proposer::CheckFree(FrontEdgeId edge, const SourcePoint& apex, double st
   const WindowVertexId ia = fronts_.From(edge), ib = fronts_.To(edge);
   const WindowVertex &a = fronts_.at(ia), &b = fronts_.at(ib);
   const Vec3 normal = Normalized(AreaVector(b.position, a.position, apex.position));
-  if (std::min({Dot(normal, a.source.normal), Dot(normal, b.source.normal), Dot(normal, apex.normal)}) < kFreeMinNormalCosine) {
+  if (std::min({Dot(normal, a.source.normal), Dot(normal, b.source.normal), Dot(normal, apex.normal)}) <
+      kFreeMinNormalCosine) {
     return Verdict::kNormalsDisagree;
   }
   const Vec3 base = b.position - a.position;
   const Vec3 before = fronts_.at(fronts_.From(fronts_.at(edge).prev)).position - a.position;
   const Vec3 after = fronts_.at(fronts_.To(fronts_.at(edge).next)).position - b.position;
-  const double open_a = ClockwiseTurn(a.source.normal, base, before), open_b = ClockwiseTurn(b.source.normal, after, -base);
-  if (open_a > 0 && ClockwiseTurn(a.source.normal, base, apex.position - a.position) >= open_a) return Verdict::kOutsideSector;
-  if (open_b > 0 && ClockwiseTurn(b.source.normal, after, apex.position - b.position) >= open_b) return Verdict::kOutsideSector;
+  const double open_a = ClockwiseTurn(a.source.normal, base, before),
+               open_b = ClockwiseTurn(b.source.normal, after, -base);
+  if (open_a > 0 && ClockwiseTurn(a.source.normal, base, apex.position - a.position) >= open_a)
+    return Verdict::kOutsideSector;
+  if (open_b > 0 && ClockwiseTurn(b.source.normal, after, apex.position - b.position) >= open_b)
+    return Verdict::kOutsideSector;
   const double clearance = kFreeClearance * step;
   const double height_a = FenceHalfHeight(Distance(a.position, apex.position), a.max_curvature);
   const double height_b = FenceHalfHeight(Distance(b.position, apex.position), b.max_curvature);
@@ -114,9 +119,9 @@ struct Proposer::Candidate {
   const WindowVertex *a, *b, *c;
   bool zip_before, zip_after;  // the side a–c or c–b is a front edge already
   double side_ab, side_ac, side_cb;
-  Vec3 normal;                 // of the triangle (b, a, c), unit length
-  double optimistic = 0;       // smallest angle of the triangle alone
-  double score = 0;            // and of the corners left behind
+  Vec3 normal;            // of the triangle (b, a, c), unit length
+  double optimistic = 0;  // smallest angle of the triangle alone
+  double score = 0;       // and of the corners left behind
 };
 
 void Proposer::Describe(FrontEdgeId edge, FrontEdgeId corner, Candidate& c) const {
@@ -128,18 +133,21 @@ void Proposer::Describe(FrontEdgeId edge, FrontEdgeId corner, Candidate& c) cons
   const Vec3 ab = c.b->position - c.a->position, ac = c.c->position - c.a->position, cb = c.b->position - c.c->position;
   c.side_ab = Norm(ab), c.side_ac = Norm(ac), c.side_cb = Norm(cb);
   c.normal = Normalized(Cross(ac, ab));
-  c.optimistic = std::min({ClockwiseTurn(c.normal, ab, ac), ClockwiseTurn(c.normal, cb, ab), ClockwiseTurn(c.normal, -ac, cb)});
+  c.optimistic =
+      std::min({ClockwiseTurn(c.normal, ab, ac), ClockwiseTurn(c.normal, cb, ab), ClockwiseTurn(c.normal, -ac, cb)});
 }
 
 Verdict Proposer::CheckShape(const Candidate& c, const Strictness& s) const {
   if (c.normal == Vec3{}) return Verdict::kNormalsDisagree;
-  if (std::min({Dot(c.normal, c.a->source.normal), Dot(c.normal, c.b->source.normal), Dot(c.normal, c.c->source.normal)}) <
-      s.min_normal_cosine) {
+  if (std::min({Dot(c.normal, c.a->source.normal), Dot(c.normal, c.b->source.normal),
+                Dot(c.normal, c.c->source.normal)}) < s.min_normal_cosine) {
     return Verdict::kNormalsDisagree;
   }
   const double limit = s.max_side * kMaxSidePerGuidance;
-  if (!c.zip_before && c.side_ac > limit * std::max({c.a->length, c.c->length, 0.5 * c.side_ab})) return Verdict::kTooLong;
-  if (!c.zip_after && c.side_cb > limit * std::max({c.b->length, c.c->length, 0.5 * c.side_ab})) return Verdict::kTooLong;
+  if (!c.zip_before && c.side_ac > limit * std::max({c.a->length, c.c->length, 0.5 * c.side_ab}))
+    return Verdict::kTooLong;
+  if (!c.zip_after && c.side_cb > limit * std::max({c.b->length, c.c->length, 0.5 * c.side_ab}))
+    return Verdict::kTooLong;
   return Verdict::kAccepted;
 }
 
@@ -199,7 +207,8 @@ Verdict Proposer::CheckFences(const Candidate& c, const Strictness& s) const {
     if (off <= height && ProjectsInside(f.start, c.normal, c.b->position, c.a->position, c.c->position)) {
       return Verdict::kContainsVertex;
     }
-    if (!c.zip_before && SegmentDistance(f.start, c.a->position, c.c->position) < clearance_a) return Verdict::kTooClose;
+    if (!c.zip_before && SegmentDistance(f.start, c.a->position, c.c->position) < clearance_a)
+      return Verdict::kTooClose;
     if (!c.zip_after && SegmentDistance(f.start, c.b->position, c.c->position) < clearance_b) return Verdict::kTooClose;
   }
   return Verdict::kAccepted;
@@ -227,12 +236,14 @@ Verdict Proposer::CheckAll(Candidate& c, const Strictness& s) const {
   if (const Verdict v = CheckShape(c, s); v != Verdict::kAccepted) return v;
   if (const Verdict v = CheckSectors(c); v != Verdict::kAccepted) return v;
   const Link owner = fronts_.at(c.edge).owner;
-  if (owner.is_half_edge() && fronts_.at(owner.triangle()).corners[(owner.side() + 2) % 3] == c.ic) return Verdict::kEdgeExists;
+  if (owner.is_half_edge() && fronts_.at(owner.triangle()).corners[(owner.side() + 2) % 3] == c.ic)
+    return Verdict::kEdgeExists;
   if (!c.zip_before && fronts_.EdgeExists(c.ia, c.ic)) return Verdict::kEdgeExists;
   if (!c.zip_after && fronts_.EdgeExists(c.ib, c.ic)) return Verdict::kEdgeExists;
   if (const Verdict v = CheckFences(c, s); v != Verdict::kAccepted) return v;
   const double longest = std::max({c.side_ab, c.side_ac, c.side_cb});
-  if (!StandsForSurface(c.a->source, c.b->source, c.c->source, !c.zip_before, !c.zip_after, s.sheet_tolerance * longest)) {
+  if (!StandsForSurface(c.a->source, c.b->source, c.c->source, !c.zip_before, !c.zip_after,
+                        s.sheet_tolerance * longest)) {
     return Verdict::kOffSheet;
   }
   return Verdict::kAccepted;
@@ -265,8 +276,10 @@ Verdict Proposer::ProposeConnection(FrontEdgeId edge, const Strictness& strictne
     Describe(edge, corner, c);
     if (c.ic == c.ia || c.ic == c.ib) continue;
     last = CheckShape(c, strictness);
-    if (last != Verdict::kAccepted) ++counts_[static_cast<int>(last)];
-    else candidates.push_back(c);
+    if (last != Verdict::kAccepted)
+      ++counts_[static_cast<int>(last)];
+    else
+      candidates.push_back(c);
   }
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& x, const Candidate& y) {
     return x.optimistic != y.optimistic ? x.optimistic > y.optimistic : x.corner < y.corner;

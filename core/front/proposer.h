@@ -16,15 +16,15 @@ namespace meshfront {
 // Why a candidate was refused; the report counts them.
 enum class Verdict : uint8_t {
   kAccepted,
-  kNoApex,            // the spheres do not meet the surface on the open side
-  kOutsideSector,     // leaves the open side at one of its corners
-  kEdgeExists,        // an edge or the face exists already
-  kNormalsDisagree,   // the triangle's normal against the surface's at its corners
-  kTooClose,          // a front vertex or fence is nearer than the clearance
+  kNoApex,           // the spheres do not meet the surface on the open side
+  kOutsideSector,    // leaves the open side at one of its corners
+  kEdgeExists,       // an edge or the face exists already
+  kNormalsDisagree,  // the triangle's normal against the surface's at its corners
+  kTooClose,         // a front vertex or fence is nearer than the clearance
   kCrossesFence,
-  kContainsVertex,    // a front vertex lies inside
+  kContainsVertex,  // a front vertex lies inside
   kTooLong,
-  kOffSheet,          // does not stand for the surface: its sides or middle lie off the sheet
+  kOffSheet,  // does not stand for the surface: its sides or middle lie off the sheet
 };
 inline constexpr int kVerdicts = 10;
 std::string_view VerdictName(Verdict verdict);
@@ -65,8 +65,8 @@ class Proposer {
   Verdict CheckConnection(FrontEdgeId edge, FrontEdgeId corner, const Strictness& strictness);
 
   // Test 4: the sides that are new and the middle of the triangle lie within `tolerance` of the surface, on the same sheet.
-  bool StandsForSurface(const SourcePoint& a, const SourcePoint& b, const SourcePoint& apex, bool new_side_a, bool new_side_b,
-                        double tolerance) const;
+  bool StandsForSurface(const SourcePoint& a, const SourcePoint& b, const SourcePoint& apex, bool new_side_a,
+                        bool new_side_b, double tolerance) const;
   const std::array<uint64_t, kVerdicts>& counts() const { return counts_; }
 
  private:

@@ -21,14 +21,14 @@ namespace meshfront {
 namespace {
 
 constexpr uint32_t kFar = 0xffffu;
-constexpr double kMinFlipNormalCosine = 0.5;   // new triangles against the surface normals at their corners
-constexpr double kMinFlipGain = 1.02;          // the smaller sine must grow by this factor: no ping-pong
+constexpr double kMinFlipNormalCosine = 0.5;  // new triangles against the surface normals at their corners
+constexpr double kMinFlipGain = 1.02;         // the smaller sine must grow by this factor: no ping-pong
 constexpr double kMinMoveNormalCosine = 0.3;
-constexpr double kSearchBelow = 0.85;          // radius ratio under which a vertex is worth a search
+constexpr double kSearchBelow = 0.85;                // radius ratio under which a vertex is worth a search
 constexpr double kSearchSteps[] = {0.2, 0.1, 0.05};  // in parts of the mean spoke
 constexpr int kImproveSweeps = 2, kSearchSweeps = 2, kFitSweeps = 2;
-constexpr double kMaxFitPerLength = 0.15;      // the fit moves a vertex by at most this part of its mean spoke
-constexpr double kFitPerErrorBound = 0.9;      // … and at most this part of the error bound of the triangles around it
+constexpr double kMaxFitPerLength = 0.15;  // the fit moves a vertex by at most this part of its mean spoke
+constexpr double kFitPerErrorBound = 0.9;  // … and at most this part of the error bound of the triangles around it
 constexpr double kFitMayLoseQuality = 0.97;
 
 // Sine of the smallest angle: twice the area over the product of the two longest sides.
@@ -68,7 +68,7 @@ bool SettlingWindow::IsMovable(const WindowVertex& v) const {
 }
 
 bool SettlingWindow::TryFlip(Link h) {
-  const WindowTriangle &s = fronts_.at(h.triangle());
+  const WindowTriangle& s = fronts_.at(h.triangle());
   const Link g = s.across[h.side()];
   if (!g.is_half_edge() || g.triangle() < h.triangle()) return false;
   const WindowTriangle& t = fronts_.at(g.triangle());
@@ -76,8 +76,10 @@ bool SettlingWindow::TryFlip(Link h) {
   const WindowVertexId ic = s.corners[(h.side() + 2) % 3], id = t.corners[(g.side() + 2) % 3];
   const WindowVertex &a = fronts_.at(ia), &b = fronts_.at(ib), &c = fronts_.at(ic), &d = fronts_.at(id);
   if (std::min({a.depth, b.depth, c.depth, d.depth}) + 1 < kMoveDepth) return false;
-  const double before = std::min(MinSine(a.position, b.position, c.position), MinSine(b.position, a.position, d.position));
-  const double after = std::min(MinSine(c.position, d.position, b.position), MinSine(d.position, c.position, a.position));
+  const double before =
+      std::min(MinSine(a.position, b.position, c.position), MinSine(b.position, a.position, d.position));
+  const double after =
+      std::min(MinSine(c.position, d.position, b.position), MinSine(d.position, c.position, a.position));
   if (after <= kMinFlipGain * before) return false;
   const auto agreement = [](const WindowVertex& p, const WindowVertex& q, const WindowVertex& r) {
     return NormalAgreement(p.position, q.position, r.position, p.source.normal, q.source.normal, r.source.normal);
@@ -121,8 +123,8 @@ double SettlingWindow::WorstAround(const Vec3& place, const Vec3& normal,
 }
 
 // Moves the vertex to the surface next to `target` if the worst measure around it does not fall below `worst` (updated).
-bool SettlingWindow::TryMove(WindowVertexId id, const Vec3& target, double (*measure)(const Vec3&, const Vec3&, const Vec3&),
-                             double& worst) {
+bool SettlingWindow::TryMove(WindowVertexId id, const Vec3& target,
+                             double (*measure)(const Vec3&, const Vec3&, const Vec3&), double& worst) {
   WindowVertex& v = fronts_.at(id);
   const SourcePoint moved = surface_.Snap(v.source, target);
   const double after = WorstAround(moved.position, moved.normal, measure);
@@ -169,7 +171,8 @@ void SettlingWindow::SearchSweep() {
       const Vec3 start = v.position;
       Vec3 best = start;
       double best_worst = worst;
-      for (const auto& [x, y] : {std::pair{1.0, 0.0}, {0.5, 0.866}, {-0.5, 0.866}, {-1.0, 0.0}, {-0.5, -0.866}, {0.5, -0.866}}) {
+      for (const auto& [x, y] :
+           {std::pair{1.0, 0.0}, {0.5, 0.866}, {-0.5, 0.866}, {-1.0, 0.0}, {-0.5, -0.866}, {0.5, -0.866}}) {
         const Vec3 target = start + step * spoke * (x * u + y * w);
         const double trial = WorstAround(target, n, RadiusRatio);
         if (trial > best_worst) best = target, best_worst = trial;
@@ -242,12 +245,14 @@ std::vector<std::pair<WindowTriangleId, WindowTriangleId>> SettlingWindow::FindI
   for (uint32_t i = 0; i < fronts_.triangle_slots(); ++i) {
     const WindowTriangle& t = fronts_.at(WindowTriangleId(i));
     if (!t.alive) continue;
-    triangles.push_back({VertexId(t.corners[0].index()), VertexId(t.corners[1].index()), VertexId(t.corners[2].index())});
+    triangles.push_back(
+        {VertexId(t.corners[0].index()), VertexId(t.corners[1].index()), VertexId(t.corners[2].index())});
     ids.push_back(WindowTriangleId(i));
   }
   const auto leaves = [&](WindowTriangleId id) {
     const WindowTriangle& t = fronts_.at(id);
-    return std::all_of(t.corners.begin(), t.corners.end(), [&](WindowVertexId v) { return fronts_.at(v).depth >= kEmitDepth; });
+    return std::all_of(t.corners.begin(), t.corners.end(),
+                       [&](WindowVertexId v) { return fronts_.at(v).depth >= kEmitDepth; });
   };
   const auto place = [&](const Triangle& t, int i) { return positions[t[i].index()]; };
   const TriangleBvh bvh(positions, triangles);
@@ -293,7 +298,8 @@ absl::Status SettlingWindow::Emit(bool everything) {
   for (uint32_t i = 0; i < fronts_.triangle_slots(); ++i) {
     const WindowTriangle& t = fronts_.at(WindowTriangleId(i));
     const auto ready = [&](WindowVertexId v) { return fronts_.at(v).depth >= kEmitDepth; };
-    if (t.alive && (everything || std::all_of(t.corners.begin(), t.corners.end(), ready))) leaving.push_back(WindowTriangleId(i));
+    if (t.alive && (everything || std::all_of(t.corners.begin(), t.corners.end(), ready)))
+      leaving.push_back(WindowTriangleId(i));
   }
   if (leaving.empty()) return absl::OkStatus();
   std::vector<OutputVertex> vertices;
@@ -315,7 +321,8 @@ absl::Status SettlingWindow::Emit(bool everything) {
     triangles.push_back(out);
     kinds.push_back(t.kind);
     counts_.quality.Add(place[0], place[1], place[2]);
-    for (int i = 0; i < 3; ++i) counts_.longest_edge = std::max(counts_.longest_edge, Distance(place[i], place[(i + 1) % 3]));
+    for (int i = 0; i < 3; ++i)
+      counts_.longest_edge = std::max(counts_.longest_edge, Distance(place[i], place[(i + 1) % 3]));
     ++counts_.by_kind[static_cast<int>(t.kind)];
     if (t.audit == AuditMark::kFault) faults_.push_back((place[0] + place[1] + place[2]) / 3.0);
   }

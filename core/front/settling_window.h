@@ -60,8 +60,10 @@ class SettlingWindow {
   void FitSweep();
   void FitVertex(WindowVertexId id);
   bool GatherRing(WindowVertexId v);  // fills ring_; false when the fan is not closed
-  double WorstAround(const Vec3& place, const Vec3& normal, double (*measure)(const Vec3&, const Vec3&, const Vec3&)) const;
-  bool TryMove(WindowVertexId v, const Vec3& target, double (*measure)(const Vec3&, const Vec3&, const Vec3&), double& worst);
+  double WorstAround(const Vec3& place, const Vec3& normal,
+                     double (*measure)(const Vec3&, const Vec3&, const Vec3&)) const;
+  bool TryMove(WindowVertexId v, const Vec3& target, double (*measure)(const Vec3&, const Vec3&, const Vec3&),
+               double& worst);
   std::vector<WindowTriangleId> Audit();
   std::vector<std::pair<WindowTriangleId, WindowTriangleId>> FindIntersections() const;
 

@@ -33,8 +33,12 @@ constexpr double SquaredNorm(const Vec3& a) { return Dot(a, a); }
 constexpr double SquaredDistance(const Vec3& a, const Vec3& b) { return SquaredNorm(a - b); }
 inline double Norm(const Vec3& a) { return std::sqrt(SquaredNorm(a)); }
 inline double Distance(const Vec3& a, const Vec3& b) { return Norm(a - b); }
-constexpr Vec3 Min(const Vec3& a, const Vec3& b) { return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}; }
-constexpr Vec3 Max(const Vec3& a, const Vec3& b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }
+constexpr Vec3 Min(const Vec3& a, const Vec3& b) {
+  return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
+}
+constexpr Vec3 Max(const Vec3& a, const Vec3& b) {
+  return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
+}
 constexpr Vec3 Lerp(const Vec3& a, const Vec3& b, double t) { return a + t * (b - a); }
 // The unit vector along `a`; the zero vector stays zero.
 inline Vec3 Normalized(const Vec3& a) {

@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cerrno>
 #include <climits>
+#include <cstring>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status_macros.h"
@@ -84,7 +85,8 @@ int CreateBeside(const std::string& path, std::string& name) {
 }
 
 // Fills the temporary file and makes it durable; the caller renames or removes it.
-absl::Status FillTemporary(Descriptor& file, const std::string& path, const std::function<absl::Status(ByteSink&)>& write) {
+absl::Status FillTemporary(Descriptor& file, const std::string& path,
+                           const std::function<absl::Status(ByteSink&)>& write) {
   FileSink sink(file.get(), path);
   MESHFRONT_RETURN_IF_ERROR(write(sink));
   struct stat old = {};
@@ -111,7 +113,7 @@ absl::StatusOr<ByteBuffer> ReadWholeFile(const std::string& path, uint64_t limit
   Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   struct stat facts = {};
   if (file.get() < 0 || ::fstat(file.get(), &facts) != 0) {
-    return absl::NotFoundError(absl::StrCat(path, " can't be opened: ", absl::ErrnoToStatus(errno, "").message()));
+    return absl::NotFoundError(absl::StrCat(path, " can't be opened: ", std::strerror(errno)));
   }
   if (S_ISDIR(facts.st_mode)) return absl::NotFoundError(absl::StrCat(path, " is a folder, not a file"));
   auto too_long = [&] {
@@ -124,12 +126,15 @@ absl::StatusOr<ByteBuffer> ReadWholeFile(const std::string& path, uint64_t limit
   uint64_t room = facts.st_size > 0 ? facts.st_size + 1 : kFirstBlock;
   for (;;) {
     if (used == bytes.size()) {
-      if (!bytes.Resize(room)) return absl::ResourceExhaustedError(absl::StrCat(path, ": no memory for ", room, " bytes"));
+      if (!bytes.Resize(room))
+        return absl::ResourceExhaustedError(absl::StrCat(path, ": no memory for ", room, " bytes"));
       room = 2 * bytes.size();
     }
-    const ssize_t count = ::read(file.get(), bytes.data() + used, std::min<uint64_t>(bytes.size() - used, kMostPerCall));
+    const ssize_t count =
+        ::read(file.get(), bytes.data() + used, std::min<uint64_t>(bytes.size() - used, kMostPerCall));
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return absl::UnavailableError(absl::ErrnoToStatus(errno, absl::StrCat(path, ": reading broke off")).message());
+    if (count < 0)
+      return absl::UnavailableError(absl::ErrnoToStatus(errno, absl::StrCat(path, ": reading broke off")).message());
     if (count == 0) break;
     used += count;
     if (used > limit) return too_long();
@@ -153,7 +158,8 @@ absl::Status ReplaceFile(const std::string& path, const std::function<absl::Stat
   Descriptor file(CreateBeside(target, temporary));
   if (file.get() < 0) return SystemError(errno, path, "can't be created");
   absl::Status status = FillTemporary(file, target, write);
-  if (status.ok() && ::rename(temporary.c_str(), target.c_str()) != 0) status = SystemError(errno, path, "can't be replaced");
+  if (status.ok() && ::rename(temporary.c_str(), target.c_str()) != 0)
+    status = SystemError(errno, path, "can't be replaced");
   if (!status.ok()) {
     ::unlink(temporary.c_str());
     return status;

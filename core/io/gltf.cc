@@ -77,19 +77,21 @@ class SceneReader {
   SceneReader(const Source& source, GltfFile& file) : source_(source), file_(file) {}
 
   absl::StatusOr<ReadResult> Read() {
-    MESHFRONT_RETURN_IF_ERROR(Walk([this](JsonValue mesh, uint64_t index, const Transform&) { return CountMesh(mesh, index); }));
+    MESHFRONT_RETURN_IF_ERROR(
+        Walk([this](JsonValue mesh, uint64_t index, const Transform&) { return CountMesh(mesh, index); }));
     points_only_ = triangles_ == 0;
     const uint64_t vertices = points_only_ ? point_vertices_ : vertices_;
     if (vertices == 0) return Refuse(source_, "has no triangles and no points in its scene");
     if (vertices >= Id<void>::kInvalid) return Refuse(source_, "has ", vertices, " vertices; the most is 4294967294");
     const uint64_t limit = kMostExpansion * file_.total_bytes() + kFreeBytes;
     if (vertices > limit / sizeof(Vec3) || triangles_ > (limit - vertices * sizeof(Vec3)) / sizeof(Triangle)) {
-      return Refuse(source_, "its nodes copy its meshes to ", vertices, " vertices and ", triangles_, " triangles, more than ",
-                    kMostExpansion, " times the file");
+      return Refuse(source_, "its nodes copy its meshes to ", vertices, " vertices and ", triangles_,
+                    " triangles, more than ", kMostExpansion, " times the file");
     }
     result_.mesh.positions.reserve(vertices);
     result_.mesh.triangles.reserve(triangles_);
-    MESHFRONT_RETURN_IF_ERROR(Walk([this](JsonValue mesh, uint64_t index, const Transform& t) { return AddMesh(mesh, index, t); }));
+    MESHFRONT_RETURN_IF_ERROR(
+        Walk([this](JsonValue mesh, uint64_t index, const Transform& t) { return AddMesh(mesh, index, t); }));
     if (result_.mesh.normals.size() != result_.mesh.positions.size()) result_.mesh.normals = {};
     NoteRest();
     return std::move(result_);
@@ -103,13 +105,15 @@ class SceneReader {
     visits_left_ = 16 * file_.Count("nodes") + 1000;
     on_path_.assign(file_.Count("nodes"), false);
     if (file_.Count("nodes") == 0) {
-      for (uint64_t i = 0; i < file_.Count("meshes"); ++i) MESHFRONT_RETURN_IF_ERROR(visit(file_.Element("meshes", i), i, {}));
+      for (uint64_t i = 0; i < file_.Count("meshes"); ++i)
+        MESHFRONT_RETURN_IF_ERROR(visit(file_.Element("meshes", i), i, {}));
       return absl::OkStatus();
     }
     if (file_.Count("scenes") == 0) return WalkOrphans(visit);
     const JsonValue named = file_.root().Find("scene");
     const uint64_t scene = named.exists() ? named.Integer().value_or(file_.Count("scenes")) : 0;
-    if (scene >= file_.Count("scenes")) return Refuse(source_, "scene is ", named.Excerpt(), "; there are ", file_.Count("scenes"));
+    if (scene >= file_.Count("scenes"))
+      return Refuse(source_, "scene is ", named.Excerpt(), "; there are ", file_.Count("scenes"));
     const JsonValue nodes = file_.Element("scenes", scene).Find("nodes");
     for (JsonValue v = nodes.First(); v.exists(); v = v.Next()) {
       MESHFRONT_RETURN_IF_ERROR(WalkFrom(v, Concat("scenes[", scene, "].nodes"), visit));
@@ -137,7 +141,8 @@ class SceneReader {
 
   absl::Status WalkFrom(JsonValue node, const std::string& where, const Visit& visit) {
     const uint64_t count = file_.Count("nodes");
-    if (node.Integer().value_or(count) >= count) return Refuse(source_, where, " names node ", node.Excerpt(), "; there are ", count);
+    if (node.Integer().value_or(count) >= count)
+      return Refuse(source_, where, " names node ", node.Excerpt(), "; there are ", count);
     return WalkFrom(*node.Integer(), visit);
   }
 
@@ -159,8 +164,10 @@ class SceneReader {
       }
       top.next_child = child.Next();
       const uint64_t count = file_.Count("nodes"), index = child.Integer().value_or(count);
-      if (index >= count) return Refuse(source_, "nodes[", top.node, "].children names node ", child.Excerpt(), "; there are ", count);
-      if (on_path_[index]) return Refuse(source_, "nodes[", top.node, "].children names node ", index, ", which is above it: a cycle");
+      if (index >= count)
+        return Refuse(source_, "nodes[", top.node, "].children names node ", child.Excerpt(), "; there are ", count);
+      if (on_path_[index])
+        return Refuse(source_, "nodes[", top.node, "].children names node ", index, ", which is above it: a cycle");
       const Transform transform = top.transform;  // Enter moves the stack
       MESHFRONT_RETURN_IF_ERROR(Enter(index, transform, visit));
     }
@@ -168,7 +175,8 @@ class SceneReader {
   }
 
   absl::Status Enter(uint64_t index, const Transform& parent, const Visit& visit) {
-    if (visits_left_-- == 0) return Refuse(source_, "nodes[", index, "]: nodes are named as children so often that their copies explode");
+    if (visits_left_-- == 0)
+      return Refuse(source_, "nodes[", index, "]: nodes are named as children so often that their copies explode");
     const JsonValue node = file_.Element("nodes", index);
     Transform local;
     MESHFRONT_RETURN_IF_ERROR(ReadTransform(node, index, local));
@@ -186,8 +194,8 @@ class SceneReader {
   absl::Status ReadTransform(JsonValue node, uint64_t index, Transform& t) {
     double m[16], move[3] = {0, 0, 0}, turn[4] = {0, 0, 0, 1}, scale[3] = {1, 1, 1};
     const JsonValue matrix = node.Find("matrix");
-    if (!ReadNumbers(matrix, m) || !ReadNumbers(node.Find("translation"), move) || !ReadNumbers(node.Find("rotation"), turn) ||
-        !ReadNumbers(node.Find("scale"), scale)) {
+    if (!ReadNumbers(matrix, m) || !ReadNumbers(node.Find("translation"), move) ||
+        !ReadNumbers(node.Find("rotation"), turn) || !ReadNumbers(node.Find("scale"), scale)) {
       return Refuse(source_, "nodes[", index, "] has a transform that is not 16, 3, 4 or 3 numbers");
     }
     if (matrix.exists()) {
@@ -207,11 +215,13 @@ class SceneReader {
     p.mode = mode.exists() ? mode.Integer().value_or(99) : uint64_t{kTriangles};
     if (p.mode > kFan) return Refuse(source_, p.where, ".mode is ", mode.Excerpt(), "; it must be 0 to 6");
     const JsonValue position = attributes.Find("POSITION");
-    if (file_.document().exhausted()) return Refuse(source_, p.where, ": the JSON refers to its own large parts too often");
+    if (file_.document().exhausted())
+      return Refuse(source_, p.where, ": the JSON refers to its own large parts too often");
     if (!position.exists()) return Refuse(source_, p.where, ".attributes has no POSITION");
     MESHFRONT_ASSIGN_OR_RETURN(p.positions, file_.Accessor(position, p.where + ".attributes.POSITION"));
     if (p.positions->components != 3) {
-      return Refuse(source_, p.where, ".attributes.POSITION has ", p.positions->components, " numbers an element; it must have 3");
+      return Refuse(source_, p.where, ".attributes.POSITION has ", p.positions->components,
+                    " numbers an element; it must have 3");
     }
     if (indices.exists()) {
       MESHFRONT_ASSIGN_OR_RETURN(p.indices, file_.Accessor(indices, p.where + ".indices"));
@@ -259,7 +269,8 @@ class SceneReader {
       TriangleMesh& out = result_.mesh;
       const auto [place, is_new] = shared_.emplace(p.positions, static_cast<uint32_t>(out.positions.size()));
       if (is_new) {
-        for (uint64_t i = 0; i < p.positions->count; ++i) out.positions.push_back(transform.Point(p.positions->VectorAt(i)));
+        for (uint64_t i = 0; i < p.positions->count; ++i)
+          out.positions.push_back(transform.Point(p.positions->VectorAt(i)));
         for (uint64_t i = 0; p.normals != nullptr && i < p.normals->count; ++i) {
           out.normals.push_back(transform.Normal(p.normals->VectorAt(i)));
         }
@@ -273,7 +284,8 @@ class SceneReader {
     auto corner = [&](uint64_t i) { return p.indices != nullptr ? p.indices->IndexAt(i) : static_cast<uint32_t>(i); };
     for (uint64_t i = 0; p.indices != nullptr && i < p.indices->count; ++i) {
       if (corner(i) < p.positions->count) continue;
-      return Refuse(source_, p.where, ".indices: element ", i, " is ", corner(i), ", but there are ", p.positions->count, " positions");
+      return Refuse(source_, p.where, ".indices: element ", i, " is ", corner(i), ", but there are ",
+                    p.positions->count, " positions");
     }
     for (uint64_t i = 0; i < p.triangles(); ++i) {
       uint64_t a = p.mode == kTriangles ? 3 * i : p.mode == kStrip ? i : 0;

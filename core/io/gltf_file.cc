@@ -14,14 +14,28 @@ namespace meshfront {
 namespace {
 
 constexpr uint32_t kJsonChunk = 0x4e4f534a, kBinaryChunk = 0x004e4942;  // "JSON", "BIN\0"
-enum ComponentType { kByte = 5120, kUnsignedByte = 5121, kShort = 5122, kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126 };
+enum ComponentType {
+  kByte = 5120,
+  kUnsignedByte = 5121,
+  kShort = 5122,
+  kUnsignedShort = 5123,
+  kUnsignedInt = 5125,
+  kFloat = 5126
+};
 
 int ComponentBytes(uint64_t type) {
   switch (type) {
-    case kByte: case kUnsignedByte: return 1;
-    case kShort: case kUnsignedShort: return 2;
-    case kUnsignedInt: case kFloat: return 4;
-    default: return 0;
+    case kByte:
+    case kUnsignedByte:
+      return 1;
+    case kShort:
+    case kUnsignedShort:
+      return 2;
+    case kUnsignedInt:
+    case kFloat:
+      return 4;
+    default:
+      return 0;
   }
 }
 
@@ -76,12 +90,23 @@ std::string RealPath(const std::string& path) {
 double GltfAccessor::ComponentAt(const uint8_t* at) const {
   double value = 0, largest = 1;
   switch (component_type) {
-    case kByte: value = Load<int8_t>(at), largest = 127; break;
-    case kUnsignedByte: value = *at, largest = 255; break;
-    case kShort: value = Load<int16_t>(at), largest = 32767; break;
-    case kUnsignedShort: value = Load<uint16_t>(at), largest = 65535; break;
-    case kUnsignedInt: value = Load<uint32_t>(at), largest = 4294967295.0; break;
-    default: return Load<float>(at);
+    case kByte:
+      value = Load<int8_t>(at), largest = 127;
+      break;
+    case kUnsignedByte:
+      value = *at, largest = 255;
+      break;
+    case kShort:
+      value = Load<int16_t>(at), largest = 32767;
+      break;
+    case kUnsignedShort:
+      value = Load<uint16_t>(at), largest = 65535;
+      break;
+    case kUnsignedInt:
+      value = Load<uint32_t>(at), largest = 4294967295.0;
+      break;
+    default:
+      return Load<float>(at);
   }
   return normalized ? std::max(value / largest, -1.0) : value;
 }
@@ -118,7 +143,8 @@ absl::StatusOr<std::unique_ptr<GltfFile>> GltfFile::OpenGlb(const Source& source
     if (size > length - at) {
       return Refuse(source, "byte ", at - 8, ": a chunk says ", size, " bytes, but only ", length - at, " follow");
     }
-    if ((chunk == 0) != (kind == kJsonChunk)) return Refuse(source, "byte ", at - 4, ": the first chunk, and no other, must be JSON");
+    if ((chunk == 0) != (kind == kJsonChunk))
+      return Refuse(source, "byte ", at - 4, ": the first chunk, and no other, must be JSON");
     if (kind == kJsonChunk) json = source.text().substr(at, size);
     if (kind == kBinaryChunk && !file->has_binary_) file->binary_ = bytes.subspan(at, size), file->has_binary_ = true;
     at += size;
@@ -187,9 +213,11 @@ absl::Status GltfFile::FillAccessor(JsonValue json, const std::string& where, Gl
   const JsonValue type = json.Find("type"), component_type = json.Find("componentType"), count = json.Find("count");
   const int component_bytes = ComponentBytes(component_type.Integer().value_or(0));
   accessor.components = ComponentCount(type);
-  if (component_bytes == 0) return Refuse(source_, where, ".componentType is ", component_type.Excerpt(), ", which is no type");
+  if (component_bytes == 0)
+    return Refuse(source_, where, ".componentType is ", component_type.Excerpt(), ", which is no type");
   if (accessor.components == 0) return Refuse(source_, where, ".type is ", type.Excerpt(), "; SCALAR to VEC4 are read");
-  if (count.Integer().value_or(0) == 0) return Refuse(source_, where, ".count is ", count.Excerpt(), "; it must be at least 1");
+  if (count.Integer().value_or(0) == 0)
+    return Refuse(source_, where, ".count is ", count.Excerpt(), "; it must be at least 1");
   accessor.component_type = static_cast<int>(*component_type.Integer());
   accessor.count = *count.Integer();
   accessor.normalized = json.Find("normalized").Raw() == "true";
@@ -207,26 +235,31 @@ absl::Status GltfFile::FillAccessor(JsonValue json, const std::string& where, Gl
 absl::Status GltfFile::ApplySparse(JsonValue sparse, const std::string& where, GltfAccessor& accessor) {
   const uint64_t size = uint64_t(ComponentBytes(accessor.component_type)) * accessor.components;
   if (accessor.count > total_bytes() / size + 1024) {
-    return Refuse(source_, where, ".count is ", accessor.count, ", more than a sparse accessor in a file of ", total_bytes(),
-                  " bytes may have");
+    return Refuse(source_, where, ".count is ", accessor.count, ", more than a sparse accessor in a file of ",
+                  total_bytes(), " bytes may have");
   }
   ByteBuffer dense;
   if (!dense.Resize(accessor.count * size)) return absl::ResourceExhaustedError("no memory for a sparse accessor");
   for (uint64_t i = 0; i < accessor.count; ++i) {
-    if (accessor.data != nullptr) std::memcpy(dense.data() + i * size, accessor.data + i * accessor.stride, size);
-    else std::memset(dense.data() + i * size, 0, size);
+    if (accessor.data != nullptr)
+      std::memcpy(dense.data() + i * size, accessor.data + i * accessor.stride, size);
+    else
+      std::memset(dense.data() + i * size, 0, size);
   }
   GltfAccessor indices, values;
   const JsonValue type = sparse.Find("indices").Find("componentType");
   indices.component_type = static_cast<int>(type.Integer().value_or(0));
-  if (indices.component_type != kUnsignedByte && indices.component_type != kUnsignedShort && indices.component_type != kUnsignedInt) {
+  if (indices.component_type != kUnsignedByte && indices.component_type != kUnsignedShort &&
+      indices.component_type != kUnsignedInt) {
     return Refuse(source_, where, ".sparse.indices.componentType is ", type.Excerpt(), "; it must be unsigned");
   }
   indices.count = values.count = sparse.Find("count").Integer().value_or(0);
   if (indices.count == 0 || indices.count > accessor.count) {
-    return Refuse(source_, where, ".sparse.count is ", sparse.Find("count").Excerpt(), "; it must be 1 to ", accessor.count);
+    return Refuse(source_, where, ".sparse.count is ", sparse.Find("count").Excerpt(), "; it must be 1 to ",
+                  accessor.count);
   }
-  MESHFRONT_RETURN_IF_ERROR(Locate(sparse.Find("indices"), where + ".sparse.indices", ComponentBytes(indices.component_type), indices));
+  MESHFRONT_RETURN_IF_ERROR(
+      Locate(sparse.Find("indices"), where + ".sparse.indices", ComponentBytes(indices.component_type), indices));
   MESHFRONT_RETURN_IF_ERROR(Locate(sparse.Find("values"), where + ".sparse.values", size, values));
   for (uint64_t i = 0; i < indices.count; ++i) {
     const uint32_t at = indices.IndexAt(i);
@@ -246,17 +279,19 @@ absl::Status GltfFile::Locate(JsonValue json, const std::string& where, uint64_t
   }
   uint64_t stride = 0;
   MESHFRONT_ASSIGN_OR_RETURN(const absl::Span<const uint8_t> bytes, ViewBytes(*view.Integer(), stride));
-  if (offset_value.exists() && !offset_value.Integer()) return Refuse(source_, where, ".byteOffset is ", offset_value.Excerpt());
+  if (offset_value.exists() && !offset_value.Integer())
+    return Refuse(source_, where, ".byteOffset is ", offset_value.Excerpt());
   const uint64_t offset = offset_value.Integer().value_or(0);
   accessor.stride = stride == 0 ? size : stride;
   if (accessor.stride < size) {
-    return Refuse(source_, where, ": bufferViews[", *view.Integer(), "].byteStride is ", stride, ", less than an element's ", size, " bytes");
+    return Refuse(source_, where, ": bufferViews[", *view.Integer(), "].byteStride is ", stride,
+                  ", less than an element's ", size, " bytes");
   }
   // offset + stride · (count − 1) + size ≤ bytes, without overflow.
   if (offset > bytes.size() || bytes.size() - offset < size ||
       (bytes.size() - offset - size) / accessor.stride < accessor.count - 1) {
-    return Refuse(source_, where, ": ", accessor.count, " elements of ", size, " bytes from byte ", offset, " do not fit into the ",
-                  bytes.size(), " bytes of bufferViews[", *view.Integer(), "]");
+    return Refuse(source_, where, ": ", accessor.count, " elements of ", size, " bytes from byte ", offset,
+                  " do not fit into the ", bytes.size(), " bytes of bufferViews[", *view.Integer(), "]");
   }
   accessor.data = bytes.data() + offset;
   return absl::OkStatus();
@@ -265,20 +300,23 @@ absl::Status GltfFile::Locate(JsonValue json, const std::string& where, uint64_t
 absl::StatusOr<absl::Span<const uint8_t>> GltfFile::ViewBytes(uint64_t index, uint64_t& stride) {
   const JsonValue json = Element("bufferViews", index);
   const std::string where = Concat("bufferViews[", index, "]");
-  const JsonValue buffer = json.Find("buffer"), offset_value = json.Find("byteOffset"), length_value = json.Find("byteLength");
+  const JsonValue buffer = json.Find("buffer"), offset_value = json.Find("byteOffset"),
+                  length_value = json.Find("byteLength");
   if (buffer.Integer().value_or(Count("buffers")) >= Count("buffers")) {
     return Refuse(source_, where, ".buffer is ", buffer.Excerpt(), "; there are ", Count("buffers"));
   }
   if (!length_value.Integer()) return Refuse(source_, where, ".byteLength is ", length_value.Excerpt());
-  if (offset_value.exists() && !offset_value.Integer()) return Refuse(source_, where, ".byteOffset is ", offset_value.Excerpt());
+  if (offset_value.exists() && !offset_value.Integer())
+    return Refuse(source_, where, ".byteOffset is ", offset_value.Excerpt());
   const JsonValue stride_value = json.Find("byteStride");
-  if (stride_value.exists() && !stride_value.Integer()) return Refuse(source_, where, ".byteStride is ", stride_value.Excerpt());
+  if (stride_value.exists() && !stride_value.Integer())
+    return Refuse(source_, where, ".byteStride is ", stride_value.Excerpt());
   stride = stride_value.Integer().value_or(0);
   MESHFRONT_ASSIGN_OR_RETURN(const absl::Span<const uint8_t> bytes, BufferBytes(*buffer.Integer()));
   const uint64_t offset = offset_value.Integer().value_or(0), length = *length_value.Integer();
   if (offset > bytes.size() || length > bytes.size() - offset) {
-    return Refuse(source_, where, ": bytes ", offset, " to ", offset, " + ", length, " do not lie in buffers[", *buffer.Integer(),
-                  "], which has ", bytes.size());
+    return Refuse(source_, where, ": bytes ", offset, " to ", offset, " + ", length, " do not lie in buffers[",
+                  *buffer.Integer(), "], which has ", bytes.size());
   }
   return bytes.subspan(offset, length);
 }
@@ -312,7 +350,8 @@ absl::Status GltfFile::LoadBuffer(JsonValue json, const std::string& where, uint
   const std::string unescaped = escaped ? uri.String() : "";
   const std::string_view text = escaped ? std::string_view(unescaped) : uri.Raw();
   const uint64_t limit = source_.limits.max_decompressed_bytes;
-  if (length > limit || total_bytes() > limit - length) return Refuse(source_, where, ": all buffers together pass the limit of ", limit, " bytes");
+  if (length > limit || total_bytes() > limit - length)
+    return Refuse(source_, where, ": all buffers together pass the limit of ", limit, " bytes");
   if (text.substr(0, 5) == "data:") {
     const size_t comma = text.find(',');
     if (comma == std::string_view::npos || text.substr(0, comma).find(";base64") == std::string_view::npos ||
@@ -331,14 +370,16 @@ absl::Status GltfFile::LoadBuffer(JsonValue json, const std::string& where, uint
 // Relative, without a scheme or steps upwards, and after following links still below the base folder.
 absl::StatusOr<std::string> GltfFile::InsideFolder(const std::string& uri, const std::string& where) {
   std::string path;
-  const bool sound = PercentDecode(uri, path) && !path.empty() && path[0] != '/' && path.find('\0') == std::string::npos &&
-                     path.find_first_of(":\\") == std::string::npos;
+  const bool sound = PercentDecode(uri, path) && !path.empty() && path[0] != '/' &&
+                     path.find('\0') == std::string::npos && path.find_first_of(":\\") == std::string::npos;
   const std::string steps = "/" + path + "/";
   if (!sound || steps.find("/../") != std::string::npos) {
-    return Refuse(source_, where, ".uri is ", Quote(uri), "; only files inside the folder of the glTF file may be named");
+    return Refuse(source_, where, ".uri is ", Quote(uri),
+                  "; only files inside the folder of the glTF file may be named");
   }
   if (source_.base_folder.empty()) {
-    return Refuse(source_, where, ".uri is ", Quote(uri), "; no other file may be opened here, so use GLB or embed the buffer");
+    return Refuse(source_, where, ".uri is ", Quote(uri),
+                  "; no other file may be opened here, so use GLB or embed the buffer");
   }
   const std::string folder = RealPath(source_.base_folder), real = RealPath(source_.base_folder + "/" + path);
   if (real.empty()) return Refuse(source_, where, ".uri is ", Quote(uri), "; there is no such file");

@@ -20,8 +20,8 @@ struct Float3 {
 Float3 ToFloat(const Vec3& v) { return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}; }
 
 struct Plan {
-  Vec3 origin;        // of the positions that are written
-  Box3 bounds;        // of those, after rounding to 32 bits
+  Vec3 origin;  // of the positions that are written
+  Box3 bounds;  // of those, after rounding to 32 bits
   bool normals = false;
   uint64_t position_bytes = 0, normal_bytes = 0, index_bytes = 0;
 
@@ -40,7 +40,8 @@ absl::StatusOr<Plan> MakePlan(const TriangleMesh& mesh) {
   Box3 box;
   for (size_t i = 0; i < mesh.positions.size(); ++i) {
     if (!IsFinite(mesh.positions[i])) {
-      return absl::InvalidArgumentError(Concat("vertex ", i, " has a coordinate that is not finite; glTF holds finite ones only"));
+      return absl::InvalidArgumentError(
+          Concat("vertex ", i, " has a coordinate that is not finite; glTF holds finite ones only"));
     }
     box.Extend(mesh.positions[i]);
   }
@@ -70,13 +71,16 @@ void PutView(Output& out, uint64_t offset, uint64_t bytes, std::string_view targ
 }
 
 void PutScene(Output& out, const Plan& plan, bool points) {
-  out.Text(R"({"asset":{"generator":"Meshfront","version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0)");
+  out.Text(
+      R"({"asset":{"generator":"Meshfront","version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0)");
   if (!(plan.origin == Vec3{})) PutTriple(out, "translation", plan.origin);
   out.Text(R"(}],"meshes":[{"primitives":[{"attributes":{"POSITION":0)");
   if (plan.normals) out.Text(R"(,"NORMAL":1)");
   out.Text("}");
-  if (points) out.Text(R"(,"mode":0)");
-  else out.Text(plan.normals ? R"(,"indices":2)" : R"(,"indices":1)");
+  if (points)
+    out.Text(R"(,"mode":0)");
+  else
+    out.Text(plan.normals ? R"(,"indices":2)" : R"(,"indices":1)");
   out.Text("}]}]");
 }
 
@@ -126,7 +130,8 @@ absl::Status WriteGlb(const TriangleMesh& mesh, Output& output) {
   std::string json = sink.Take();
   json.resize((json.size() + 3) / 4 * 4, ' ');
   const uint64_t length = 12 + 8 + json.size() + 8 + plan.buffer_bytes();
-  if (length > kMostGlbBytes) return absl::InvalidArgumentError(Concat("GLB holds 4 GiB at most; the mesh takes ", length, " bytes"));
+  if (length > kMostGlbBytes)
+    return absl::InvalidArgumentError(Concat("GLB holds 4 GiB at most; the mesh takes ", length, " bytes"));
   output.Text("glTF"), output.Raw(uint32_t{2}), output.Raw(static_cast<uint32_t>(length));
   output.Raw(static_cast<uint32_t>(json.size())), output.Text("JSON"), output.Text(json);
   output.Raw(static_cast<uint32_t>(plan.buffer_bytes())), output.Text(std::string_view("BIN\0", 4));

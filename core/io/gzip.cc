@@ -10,7 +10,7 @@
 namespace meshfront {
 namespace {
 
-constexpr int kGzipWindow = 15 + 16;  // zlib: the largest window, gzip framing
+constexpr int kGzipWindow = 15 + 16;       // zlib: the largest window, gzip framing
 constexpr uint64_t kMostExpansion = 1032;  // what deflate can make of one byte at most
 
 // zlib counts in 32 bits.
@@ -67,8 +67,8 @@ absl::StatusOr<ByteBuffer> Inflate(const Source& source) {
     } else if (result == Z_BUF_ERROR && taken == source.bytes.size()) {
       return Refuse(source, "the gzip data is cut: it ends after ", taken, " bytes in the middle of a member");
     } else if (result != Z_OK && result != Z_BUF_ERROR) {
-      return Refuse(source, "the gzip data is damaged near byte ", taken, " (", stream.z.msg ? stream.z.msg : "zlib error",
-                    ")");
+      return Refuse(source, "the gzip data is damaged near byte ", taken, " (",
+                    stream.z.msg ? stream.z.msg : "zlib error", ")");
     }
   }
   out.Resize(used);

@@ -104,8 +104,10 @@ class JsonParser {
     for (at_ = 0; at_ < text_.size(); ++at_) {
       const char c = text_[at_];
       if (in_string) {
-        if (c == '\\') ++at_;
-        else if (c == '"') in_string = false;
+        if (c == '\\')
+          ++at_;
+        else if (c == '"')
+          in_string = false;
       } else if (c == '"') {
         in_string = true;
       } else if (c == '[' || c == '{') {
@@ -206,7 +208,8 @@ class JsonParser {
       ++at_;
       if (Current() == 'u') {
         for (int i = 0; i < 4; ++i, ++at_) {
-          if (at_ + 1 >= text_.size() || HexDigit(text_[at_ + 1]) < 0) return Fail("a \\u needs four hexadecimal digits");
+          if (at_ + 1 >= text_.size() || HexDigit(text_[at_ + 1]) < 0)
+            return Fail("a \\u needs four hexadecimal digits");
         }
       } else if (Current() == '\0' || std::string_view("\"\\/bfnrt").find(Current()) == std::string_view::npos) {
         return Fail("a string holds an unknown escape");
@@ -221,7 +224,8 @@ class JsonParser {
   absl::Status ParseNumber() {
     const size_t begin = at_;
     if (Current() == '-') ++at_;
-    while (at_ < text_.size() && (IsDigit(text_[at_]) || std::string_view(".eE+-").find(text_[at_]) != std::string_view::npos)) {
+    while (at_ < text_.size() &&
+           (IsDigit(text_[at_]) || std::string_view(".eE+-").find(text_[at_]) != std::string_view::npos)) {
       ++at_;
     }
     double value = 0;
@@ -245,9 +249,9 @@ absl::StatusOr<JsonDocument> JsonDocument::Parse(const Source& source, std::stri
   return JsonParser(source, text).Parse();
 }
 
-#define MESHFRONT_JSON_IS(name, which)                                                                             \
-  bool JsonValue::name() const {                                                                                   \
-    return exists() && document_->nodes_[node_].kind == static_cast<uint8_t>(JsonDocument::Kind::which);              \
+#define MESHFRONT_JSON_IS(name, which)                                                                   \
+  bool JsonValue::name() const {                                                                         \
+    return exists() && document_->nodes_[node_].kind == static_cast<uint8_t>(JsonDocument::Kind::which); \
   }
 MESHFRONT_JSON_IS(is_object, kObject)
 MESHFRONT_JSON_IS(is_array, kArray)
@@ -296,7 +300,8 @@ std::optional<double> JsonValue::Number() const {
   if (!is_number()) return std::nullopt;
   const JsonDocument::Node& node = document_->nodes_[node_];
   double value = 0;
-  const auto [stop, error] = std::from_chars(document_->text_.data() + node.begin, document_->text_.data() + node.end, value);
+  const auto [stop, error] =
+      std::from_chars(document_->text_.data() + node.begin, document_->text_.data() + node.end, value);
   if (error != std::errc()) return std::nullopt;  // beyond the range of doubles
   return value;
 }

@@ -30,11 +30,11 @@ class JsonValue {
   std::optional<double> Number() const;
   // An integer in [0, 2⁵³]; nothing for anything else.
   std::optional<uint64_t> Integer() const;
-  std::string String() const;     // escapes resolved; "" when it is no string
+  std::string String() const;                // escapes resolved; "" when it is no string
   bool Equals(std::string_view text) const;  // whether it is the string
-  std::string Excerpt() const;    // its text, quoted, for a message
-  std::string_view Raw() const;   // its text as it stands in the file; of a string, without the quotes
-  uint32_t node() const { return node_; }  // for JsonDocument::At
+  std::string Excerpt() const;               // its text, quoted, for a message
+  std::string_view Raw() const;              // its text as it stands in the file; of a string, without the quotes
+  uint32_t node() const { return node_; }    // for JsonDocument::At
 
   // Elements of an array: for (JsonValue v = a.First(); v.exists(); v = v.Next()). Members of an object: the same, with Key().
   JsonValue First() const;

@@ -43,13 +43,15 @@ absl::StatusOr<Format> ChooseFormat(const Source& source, Format proposed, std::
   for (const FormatRow& other : FormatTable()) {
     if (other.is_surely == nullptr || !other.is_surely(source)) continue;
     if (row != nullptr) {
-      warnings.push_back(Concat("the name says ", row->name, ", but the content is ", other.name, "; read as ", other.name));
+      warnings.push_back(
+          Concat("the name says ", row->name, ", but the content is ", other.name, "; read as ", other.name));
     }
     return other.format;
   }
   if (row != nullptr) return proposed;
   const Format guess = GuessText(source);
-  if (guess == Format::kUnknown) return Refuse(source, "neither the name nor the content says which mesh format this is");
+  if (guess == Format::kUnknown)
+    return Refuse(source, "neither the name nor the content says which mesh format this is");
   return guess;
 }
 
@@ -66,7 +68,7 @@ void FinishNormals(ReadResult& result) {
   }
   if (lost == 0) return;
   result.warnings.push_back(Concat(lost, " of ", normals.size(), " normals are zero or not finite",
-                                         lost == normals.size() ? "; the normals were left out" : ""));
+                                   lost == normals.size() ? "; the normals were left out" : ""));
   if (lost == normals.size()) normals = {};
 }
 
@@ -79,7 +81,7 @@ absl::Status FinishReading(const Source& source, ReadResult& result) {
   }
   if (odd > 0) {
     result.warnings.push_back(Concat(odd, " of ", result.mesh.positions.size(),
-                                           " vertices have a coordinate that is not finite, the first is vertex ", first));
+                                     " vertices have a coordinate that is not finite, the first is vertex ", first));
   }
   FinishNormals(result);
   return absl::OkStatus();
@@ -97,16 +99,17 @@ absl::StatusOr<ReadResult> ReadSource(const Source& source, Format proposed) {
 }
 
 absl::Status CheckWritable(const TriangleMesh& mesh) {
-  if (mesh.positions.empty()) return absl::InvalidArgumentError("the mesh has no vertices; an empty mesh is not written");
+  if (mesh.positions.empty())
+    return absl::InvalidArgumentError("the mesh has no vertices; an empty mesh is not written");
   if (!mesh.normals.empty() && mesh.normals.size() != mesh.positions.size()) {
-    return absl::InvalidArgumentError(Concat("the mesh has ", mesh.normals.size(), " normals for ", mesh.positions.size(),
-                                                   " vertices; there must be one each, or none"));
+    return absl::InvalidArgumentError(Concat("the mesh has ", mesh.normals.size(), " normals for ",
+                                             mesh.positions.size(), " vertices; there must be one each, or none"));
   }
   for (size_t i = 0; i < mesh.triangles.size(); ++i) {
     for (const VertexId v : mesh.triangles[i]) {
       if (v.index() < mesh.positions.size()) continue;
-      return absl::InvalidArgumentError(Concat("triangle ", i, " names vertex ", v.index(), "; there are ",
-                                                     mesh.positions.size()));
+      return absl::InvalidArgumentError(
+          Concat("triangle ", i, " names vertex ", v.index(), "; there are ", mesh.positions.size()));
     }
   }
   return absl::OkStatus();
@@ -117,7 +120,8 @@ absl::StatusOr<const FormatRow*> FindWriter(Format format, const std::string& pa
   if (row != nullptr) return row;
   std::string endings;
   for (const FormatRow& r : FormatTable()) endings += Concat(endings.empty() ? "." : ", .", r.endings[0]);
-  return absl::InvalidArgumentError(Concat(path.empty() ? "the format" : path, " names no format to write; it is one of ", endings));
+  return absl::InvalidArgumentError(
+      Concat(path.empty() ? "the format" : path, " names no format to write; it is one of ", endings));
 }
 
 absl::Status WriteTo(ByteSink& sink, const FormatRow& row, const TriangleMesh& mesh) {
@@ -134,7 +138,8 @@ Format FormatOfName(std::string_view name) {
   if (dot != std::string_view::npos) name = name[dot] == '.' ? name.substr(dot + 1) : "";
   for (const FormatRow& row : FormatTable()) {
     for (const std::string_view ending : row.endings) {
-      if (absl::EqualsIgnoreCase(absl::string_view(name.data(), name.size()), absl::string_view(ending.data(), ending.size()))) {
+      if (absl::EqualsIgnoreCase(absl::string_view(name.data(), name.size()),
+                                 absl::string_view(ending.data(), ending.size()))) {
         return row.format;
       }
     }
@@ -147,8 +152,9 @@ std::string_view FormatName(Format format) {
   return row != nullptr ? row->name : "unknown";
 }
 
-absl::StatusOr<ReadResult> ReadMesh(absl::Span<const uint8_t> bytes, Format format, const std::string& name_for_messages,
-                                    const ReadLimits& limits, const std::string& base_folder) {
+absl::StatusOr<ReadResult> ReadMesh(absl::Span<const uint8_t> bytes, Format format,
+                                    const std::string& name_for_messages, const ReadLimits& limits,
+                                    const std::string& base_folder) {
   Source source{bytes, name_for_messages, base_folder, limits};
   if (!IsGzip(bytes)) return ReadSource(source, format);
   MESHFRONT_ASSIGN_OR_RETURN(const ByteBuffer inflated, Inflate(source));

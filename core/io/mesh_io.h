@@ -35,7 +35,7 @@ struct ReadLimits {
 };
 
 struct ReadResult {
-  TriangleMesh mesh;     // at least one vertex; every index in range; coordinates may be infinite or NaN
+  TriangleMesh mesh;                 // at least one vertex; every index in range; coordinates may be infinite or NaN
   Format format = Format::kUnknown;  // what the content turned out to be
   // One sentence each: a wrong ending, a count that lies, coordinates that are not finite, faces of fewer than three corners.
   // Attributes that were left behind are listed in mesh.dropped_attributes.
@@ -51,8 +51,9 @@ absl::StatusOr<ReadResult> ReadMeshFile(const std::string& path, const ReadLimit
 
 // The same for bytes in memory. `name_for_messages` starts every message. A glTF file may name buffers in files inside
 // `base_folder` (symbolic links are followed and must stay inside); when that is empty, none are opened.
-absl::StatusOr<ReadResult> ReadMesh(absl::Span<const uint8_t> bytes, Format format, const std::string& name_for_messages,
-                                    const ReadLimits& limits = {}, const std::string& base_folder = "");
+absl::StatusOr<ReadResult> ReadMesh(absl::Span<const uint8_t> bytes, Format format,
+                                    const std::string& name_for_messages, const ReadLimits& limits = {},
+                                    const std::string& base_folder = "");
 
 // Writes a mesh (or, except in STL, a point set) to a temporary name in the same folder, syncs it, and renames it: at every
 // moment there is the old file or the new one, and after a failure no trace. A name that ends in ".gz" is compressed; a

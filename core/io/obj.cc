@@ -17,8 +17,19 @@ namespace {
 
 // What the format defines and a triangle mesh has no place for. The second column goes into dropped_attributes.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 14> kLeftOut = {{
-    {"vt", "texcoord_0"}, {"usemtl", "materials"}, {"l", "lines"}, {"p", "points"}, {"curv", "free-form"},
-    {"curv2", "free-form"}, {"surf", "free-form"}, {"mtllib", ""}, {"o", ""}, {"g", ""}, {"s", ""}, {"mg", ""}, {"vp", ""},
+    {"vt", "texcoord_0"},
+    {"usemtl", "materials"},
+    {"l", "lines"},
+    {"p", "points"},
+    {"curv", "free-form"},
+    {"curv2", "free-form"},
+    {"surf", "free-form"},
+    {"mtllib", ""},
+    {"o", ""},
+    {"g", ""},
+    {"s", ""},
+    {"mg", ""},
+    {"vp", ""},
     {"end", ""},
 }};
 
@@ -63,7 +74,8 @@ class ObjReader {
       if (!attribute.empty()) NoteDropped(mesh(), std::string(attribute));
       return absl::OkStatus();
     }
-    const bool is_word = std::all_of(word.begin(), word.end(), [](unsigned char c) { return std::isalnum(c) || c == '_'; });
+    const bool is_word =
+        std::all_of(word.begin(), word.end(), [](unsigned char c) { return std::isalnum(c) || c == '_'; });
     if (!is_word || !std::isalpha(static_cast<unsigned char>(word[0]))) {
       return Fail(Quote(word), " is no statement of an OBJ file");
     }
@@ -74,7 +86,8 @@ class ObjReader {
   absl::Status ReadTriple(std::string_view what, uint64_t number, Vec3& v) {
     for (int axis = 0; axis < 3; ++axis) {
       if (scanner_.AtLineEnd()) return Fail(what, " ", number, " has ", axis, " numbers; it needs 3");
-      if (!scanner_.ReadDouble(v[axis])) return Fail(what, " ", number, " has ", Quote(scanner_.Peek()), ", not a number");
+      if (!scanner_.ReadDouble(v[axis]))
+        return Fail(what, " ", number, " has ", Quote(scanner_.Peek()), ", not a number");
     }
     return absl::OkStatus();
   }
@@ -87,10 +100,12 @@ class ObjReader {
     mesh().positions.push_back(v);
     int extra = 0;
     for (double ignored = 0; !scanner_.AtLineEnd(); ++extra) {
-      if (!scanner_.ReadDouble(ignored)) return Fail("vertex ", number, " has ", Quote(scanner_.Peek()), ", not a number");
+      if (!scanner_.ReadDouble(ignored))
+        return Fail("vertex ", number, " has ", Quote(scanner_.Peek()), ", not a number");
     }
     if (extra >= 3) NoteDropped(mesh(), "color");  // one more number is a weight
-    if (extra > 5) return Fail("vertex ", number, " has ", extra + 3, " numbers; the most is 8 (with weight and colour)");
+    if (extra > 5)
+      return Fail("vertex ", number, " has ", extra + 3, " numbers; the most is 8 (with weight and colour)");
     return absl::OkStatus();
   }
 
@@ -105,8 +120,10 @@ class ObjReader {
   absl::Status ReadFace() {
     corners_.clear();
     while (!scanner_.AtLineEnd()) MESHFRONT_RETURN_IF_ERROR(ReadCorner());
-    if (corners_.size() < 3) ++small_faces_;
-    else cutter_.Append(corners_, mesh());
+    if (corners_.size() < 3)
+      ++small_faces_;
+    else
+      cutter_.Append(corners_, mesh());
     has_faces_ = true;
     return absl::OkStatus();
   }
@@ -123,7 +140,8 @@ class ObjReader {
     }
     const int64_t count = static_cast<int64_t>(mesh().positions.size());
     if (value == 0) return Fail("a face names vertex 0; OBJ counts from 1");
-    if (value < 0 && -value > count) return Fail("a face names vertex ", value, ", but only ", count, " come before it");
+    if (value < 0 && -value > count)
+      return Fail("a face names vertex ", value, ", but only ", count, " come before it");
     const uint64_t index = value > 0 ? value - 1 : count + value;
     if (index >= Id<void>::kInvalid) return Fail("a face names vertex ", value, "; the most is 4294967294");
     if (index >= largest_.index) largest_ = {index, scanner_.line()};

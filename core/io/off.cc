@@ -45,8 +45,8 @@ class OffReader {
       result_.warnings.push_back(Concat(small_faces_, " faces of fewer than three corners were skipped"));
     }
     if (scanner_.SkipToContent()) {
-      result_.warnings.push_back(Concat("line ", scanner_.line(), ": text after the last of the ", header_.faces,
-                                              " faces was not read"));
+      result_.warnings.push_back(
+          Concat("line ", scanner_.line(), ": text after the last of the ", header_.faces, " faces was not read"));
     }
     return std::move(result_);
   }
@@ -168,8 +168,10 @@ class OffReader {
         NoteDropped(result_.mesh, "face color");
         MESHFRONT_RETURN_IF_ERROR(PassRestOfLine("face", face));
       }
-      if (count < 3) ++small_faces_;
-      else cutter.Append(corners, result_.mesh);
+      if (count < 3)
+        ++small_faces_;
+      else
+        cutter.Append(corners, result_.mesh);
     }
     return absl::OkStatus();
   }

@@ -35,10 +35,12 @@ class Output {
 
   void Text(std::string_view text) {
     if (buffer_.size() + text.size() > kBlock) Flush();
-    if (text.size() > kBlock) Pass(text);
-    else buffer_.append(text);
+    if (text.size() > kBlock)
+      Pass(text);
+    else
+      buffer_.append(text);
   }
-  void Number(double value);    // the shortest text that reads back to the same double; "nan", "inf"
+  void Number(double value);  // the shortest text that reads back to the same double; "nan", "inf"
   void Number(uint64_t value);
   // "x y z", each as above.
   template <class Vector>

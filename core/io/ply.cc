@@ -21,21 +21,39 @@ namespace {
 class BinaryValues {
  public:
   BinaryValues(const Source& source, const PlyHeader& header)
-      : begin_(source.bytes.data()), at_(begin_ + header.body_offset), end_(begin_ + source.bytes.size()),
+      : begin_(source.bytes.data()),
+        at_(begin_ + header.body_offset),
+        end_(begin_ + source.bytes.size()),
         swap_(header.encoding == PlyEncoding::kBigEndian) {}
 
   bool Next(PlyType type, double& value) {
     const int bytes = PlyTypeBytes(type);
     if (end_ - at_ < bytes) return false;
     switch (type) {
-      case PlyType::kInt8: value = static_cast<int8_t>(*at_); break;
-      case PlyType::kUint8: value = *at_; break;
-      case PlyType::kInt16: value = static_cast<int16_t>(Load<uint16_t>()); break;
-      case PlyType::kUint16: value = Load<uint16_t>(); break;
-      case PlyType::kInt32: value = static_cast<int32_t>(Load<uint32_t>()); break;
-      case PlyType::kUint32: value = Load<uint32_t>(); break;
-      case PlyType::kFloat: value = std::bit_cast<float>(Load<uint32_t>()); break;
-      case PlyType::kDouble: value = std::bit_cast<double>(Load<uint64_t>()); break;
+      case PlyType::kInt8:
+        value = static_cast<int8_t>(*at_);
+        break;
+      case PlyType::kUint8:
+        value = *at_;
+        break;
+      case PlyType::kInt16:
+        value = static_cast<int16_t>(Load<uint16_t>());
+        break;
+      case PlyType::kUint16:
+        value = Load<uint16_t>();
+        break;
+      case PlyType::kInt32:
+        value = static_cast<int32_t>(Load<uint32_t>());
+        break;
+      case PlyType::kUint32:
+        value = Load<uint32_t>();
+        break;
+      case PlyType::kFloat:
+        value = std::bit_cast<float>(Load<uint32_t>());
+        break;
+      case PlyType::kDouble:
+        value = std::bit_cast<double>(Load<uint64_t>());
+        break;
     }
     at_ += bytes;
     return true;
@@ -72,9 +90,7 @@ class TextValues {
   uint64_t remaining() const { return scanner_.remaining() + 1; }  // the last line may lack its end
   bool AtEnd() { return !scanner_.SkipToContent(); }
   std::string Place() const { return Concat("line ", lines_before_ + scanner_.line()); }
-  std::string Problem() {
-    return AtEnd() ? "the file ends" : Concat(Quote(scanner_.Peek()), " is not a number");
-  }
+  std::string Problem() { return AtEnd() ? "the file ends" : Concat(Quote(scanner_.Peek()), " is not a number"); }
 
  private:
   TextScanner scanner_;
@@ -90,7 +106,8 @@ std::string Integral(double value) {
 std::string AttributeName(const PlyElement& element, const std::string& property) {
   const bool vertex = element.name == "vertex";
   if (property == "nx" || property == "ny" || property == "nz") return vertex ? "normal" : "face normal";
-  if (property == "red" || property == "green" || property == "blue" || property == "alpha") return vertex ? "color" : "face color";
+  if (property == "red" || property == "green" || property == "blue" || property == "alpha")
+    return vertex ? "color" : "face color";
   if (vertex && (property == "s" || property == "t" || property == "u" || property == "v" || property == "texture_u" ||
                  property == "texture_v")) {
     return "texcoord_0";
@@ -101,15 +118,20 @@ std::string AttributeName(const PlyElement& element, const std::string& property
 template <class Values>
 class BodyReader {
  public:
-  BodyReader(const Source& source, const PlyHeader& header) : source_(source), header_(header), values_(source, header) {}
+  BodyReader(const Source& source, const PlyHeader& header)
+      : source_(source), header_(header), values_(source, header) {}
 
   absl::StatusOr<ReadResult> Read() {
     for (const PlyElement& element : header_.elements) {
       MESHFRONT_RETURN_IF_ERROR(CheckCount(element));
-      if (element.name == "vertex") MESHFRONT_RETURN_IF_ERROR(ReadVertices(element));
-      else if (element.name == "face") MESHFRONT_RETURN_IF_ERROR(ReadFaces(element));
-      else if (element.name == "tristrips") MESHFRONT_RETURN_IF_ERROR(ReadStrips(element));
-      else MESHFRONT_RETURN_IF_ERROR(PassOver(element));
+      if (element.name == "vertex")
+        MESHFRONT_RETURN_IF_ERROR(ReadVertices(element));
+      else if (element.name == "face")
+        MESHFRONT_RETURN_IF_ERROR(ReadFaces(element));
+      else if (element.name == "tristrips")
+        MESHFRONT_RETURN_IF_ERROR(ReadStrips(element));
+      else
+        MESHFRONT_RETURN_IF_ERROR(PassOver(element));
     }
     if (!values_.AtEnd()) {
       result_.warnings.push_back(Concat(values_.Place(), ": what follows the last element was not read"));
@@ -137,7 +159,8 @@ class BodyReader {
                           ", but only ", values_.remaining(), " bytes follow");
     }
     if (element.name == "vertex" && element.count >= Id<void>::kInvalid) {
-      return RefuseAtLine(source_, element.line, "the header says ", element.count, " vertices; the most is 4294967294");
+      return RefuseAtLine(source_, element.line, "the header says ", element.count,
+                          " vertices; the most is 4294967294");
     }
     return absl::OkStatus();
   }
@@ -167,7 +190,8 @@ class BodyReader {
     if (!values_.Next(property.count_type, value)) return FailRow(element, row);
     const uint64_t least = header_.encoding == PlyEncoding::kAscii ? 2 : PlyTypeBytes(property.type);
     if (!(value >= 0) || value != std::floor(value) || value > static_cast<double>(values_.remaining() / least)) {
-      return Fail(element.name, " ", row, " has a list of ", Integral(value), " values, but only ", values_.remaining(), " bytes follow");
+      return Fail(element.name, " ", row, " has a list of ", Integral(value), " values, but only ", values_.remaining(),
+                  " bytes follow");
     }
     count = static_cast<uint64_t>(value);
     return absl::OkStatus();
@@ -200,8 +224,10 @@ class BodyReader {
     double v[6] = {};
     for (uint64_t row = 0; row < element.count; ++row) {
       for (size_t i = 0; i < slots.size(); ++i) {
-        if (slots[i] < 0) MESHFRONT_RETURN_IF_ERROR(Skip(element, element.properties[i], row));
-        else if (!values_.Next(element.properties[i].type, v[slots[i]])) return FailRow(element, row);
+        if (slots[i] < 0)
+          MESHFRONT_RETURN_IF_ERROR(Skip(element, element.properties[i], row));
+        else if (!values_.Next(element.properties[i].type, v[slots[i]]))
+          return FailRow(element, row);
       }
       mesh.positions.push_back({v[0], v[1], v[2]});
       if (has_normals_) mesh.normals.push_back({v[3], v[4], v[5]});
@@ -210,9 +236,8 @@ class BodyReader {
   }
 
   bool IsPointSet() const {
-    return std::none_of(header_.elements.begin(), header_.elements.end(), [](const PlyElement& e) {
-      return (e.name == "face" || e.name == "tristrips") && e.count > 0;
-    });
+    return std::none_of(header_.elements.begin(), header_.elements.end(),
+                        [](const PlyElement& e) { return (e.name == "face" || e.name == "tristrips") && e.count > 0; });
   }
   uint64_t VertexCount() const {
     for (const PlyElement& e : header_.elements) {
@@ -247,7 +272,8 @@ class BodyReader {
       for (double value = 0; count > 0; --count) {
         if (!values_.Next(property.type, value)) return FailRow(element, row);
         if (!take(value)) {
-          return Fail(element.name, " ", row, " names vertex ", Integral(value), "; there are ", VertexCount(), ", counted from 0");
+          return Fail(element.name, " ", row, " names vertex ", Integral(value), "; there are ", VertexCount(),
+                      ", counted from 0");
         }
       }
     }
@@ -268,8 +294,10 @@ class BodyReader {
         corners.push_back(static_cast<uint32_t>(value));
         return true;
       }));
-      if (corners.size() < 3) ++small_faces_;
-      else cutter.Append(corners, result_.mesh);
+      if (corners.size() < 3)
+        ++small_faces_;
+      else
+        cutter.Append(corners, result_.mesh);
     }
     return absl::OkStatus();
   }
@@ -279,8 +307,8 @@ class BodyReader {
   void ReserveTriangles(const PlyElement& element, int indices) {
     const uint64_t bytes = header_.encoding == PlyEncoding::kAscii ? 2 : PlyTypeBytes(element.properties[indices].type);
     const uint64_t possible = values_.remaining() / bytes;
-    result_.mesh.triangles.reserve(bytes <= 2 && header_.encoding != PlyEncoding::kAscii ? possible
-                                                                                         : std::min(element.count, possible / 3));
+    result_.mesh.triangles.reserve(
+        bytes <= 2 && header_.encoding != PlyEncoding::kAscii ? possible : std::min(element.count, possible / 3));
   }
 
   absl::Status ReadStrips(const PlyElement& element) {

@@ -17,10 +17,22 @@ struct TypeName {
   PlyType type;
 };
 constexpr std::array<TypeName, 16> kTypeNames = {{
-    {"char", PlyType::kInt8}, {"int8", PlyType::kInt8}, {"uchar", PlyType::kUint8}, {"uint8", PlyType::kUint8},
-    {"short", PlyType::kInt16}, {"int16", PlyType::kInt16}, {"ushort", PlyType::kUint16}, {"uint16", PlyType::kUint16},
-    {"int", PlyType::kInt32}, {"int32", PlyType::kInt32}, {"uint", PlyType::kUint32}, {"uint32", PlyType::kUint32},
-    {"float", PlyType::kFloat}, {"float32", PlyType::kFloat}, {"double", PlyType::kDouble}, {"float64", PlyType::kDouble},
+    {"char", PlyType::kInt8},
+    {"int8", PlyType::kInt8},
+    {"uchar", PlyType::kUint8},
+    {"uint8", PlyType::kUint8},
+    {"short", PlyType::kInt16},
+    {"int16", PlyType::kInt16},
+    {"ushort", PlyType::kUint16},
+    {"uint16", PlyType::kUint16},
+    {"int", PlyType::kInt32},
+    {"int32", PlyType::kInt32},
+    {"uint", PlyType::kUint32},
+    {"uint32", PlyType::kUint32},
+    {"float", PlyType::kFloat},
+    {"float32", PlyType::kFloat},
+    {"double", PlyType::kDouble},
+    {"float64", PlyType::kDouble},
 }};
 
 class HeaderReader {
@@ -73,10 +85,14 @@ class HeaderReader {
 
   absl::Status ReadFormat() {
     const std::string_view name = scanner_.Token();
-    if (name == "ascii") header_.encoding = PlyEncoding::kAscii;
-    else if (name == "binary_little_endian") header_.encoding = PlyEncoding::kLittleEndian;
-    else if (name == "binary_big_endian") header_.encoding = PlyEncoding::kBigEndian;
-    else return Fail("the format is ", Quote(name), "; it must be ascii, binary_little_endian or binary_big_endian");
+    if (name == "ascii")
+      header_.encoding = PlyEncoding::kAscii;
+    else if (name == "binary_little_endian")
+      header_.encoding = PlyEncoding::kLittleEndian;
+    else if (name == "binary_big_endian")
+      header_.encoding = PlyEncoding::kBigEndian;
+    else
+      return Fail("the format is ", Quote(name), "; it must be ascii, binary_little_endian or binary_big_endian");
     const std::string_view version = scanner_.Token();
     if (version != "1.0") return Fail("the format's version is ", Quote(version), "; only 1.0 is known");
     return absl::OkStatus();
@@ -103,7 +119,8 @@ class HeaderReader {
 
   absl::Status ReadType(PlyType& type) {
     const std::string_view name = scanner_.Token();
-    const auto* found = std::find_if(kTypeNames.begin(), kTypeNames.end(), [&](const TypeName& t) { return t.name == name; });
+    const auto* found =
+        std::find_if(kTypeNames.begin(), kTypeNames.end(), [&](const TypeName& t) { return t.name == name; });
     if (found == kTypeNames.end()) return Fail(Quote(name), " is no type of a PLY property");
     type = found->type;
     return absl::OkStatus();

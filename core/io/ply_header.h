@@ -16,7 +16,7 @@ int PlyTypeBytes(PlyType type);
 
 struct PlyProperty {
   std::string name;
-  PlyType type = PlyType::kFloat;        // of the value, or of a list's values
+  PlyType type = PlyType::kFloat;  // of the value, or of a list's values
   bool is_list = false;
   PlyType count_type = PlyType::kUint8;  // lists only
 };

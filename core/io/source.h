@@ -53,7 +53,8 @@ inline absl::Status RefuseZeroBytes(const Source& source) {
 // A piece of a file as it may stand in a message: quoted, printable, at most 24 characters.
 inline std::string Quote(std::string_view token) {
   const bool cut = token.size() > 24;
-  return absl::StrCat("\"", absl::CHexEscape(absl::string_view(token.data(), cut ? 24 : token.size())), cut ? "…\"" : "\"");
+  return absl::StrCat("\"", absl::CHexEscape(absl::string_view(token.data(), cut ? 24 : token.size())),
+                      cut ? "…\"" : "\"");
 }
 
 // Adds a name once, and not without end.

@@ -28,7 +28,8 @@ uint32_t HeaderCount(const Source& source) {
 }
 
 bool HasBinarySize(const Source& source) {
-  return source.bytes.size() >= kHeaderBytes && source.bytes.size() == kHeaderBytes + kTriangleBytes * uint64_t{HeaderCount(source)};
+  return source.bytes.size() >= kHeaderBytes &&
+         source.bytes.size() == kHeaderBytes + kTriangleBytes * uint64_t{HeaderCount(source)};
 }
 
 // "solid" first, and the second line begins with a word of the format.
@@ -50,7 +51,8 @@ Vec3 CornerAt(const uint8_t* bytes) {
 absl::StatusOr<ReadResult> ReadBinary(const Source& source) {
   const size_t size = source.bytes.size();
   if (size < kHeaderBytes) {
-    return Refuse(source, "is neither ascii STL nor long enough for a binary one: ", size, " bytes, the header alone has 84");
+    return Refuse(source, "is neither ascii STL nor long enough for a binary one: ", size,
+                  " bytes, the header alone has 84");
   }
   const uint64_t promised = HeaderCount(source), present = (size - kHeaderBytes) / kTriangleBytes;
   const uint64_t rest = (size - kHeaderBytes) % kTriangleBytes;
@@ -63,9 +65,11 @@ absl::StatusOr<ReadResult> ReadBinary(const Source& source) {
   const uint64_t count = rest == 0 ? present : promised;
   if (count == 0) return Refuse(source, "byte 80: the header says 0 triangles; there is nothing to read");
   if (promised < count) {
-    result.warnings.push_back(Concat("the header says ", promised, " triangles, the file has ", count, "; all were read"));
+    result.warnings.push_back(
+        Concat("the header says ", promised, " triangles, the file has ", count, "; all were read"));
   } else if (rest != 0) {
-    result.warnings.push_back(Concat(size - kHeaderBytes - count * kTriangleBytes, " bytes after the last triangle were not read"));
+    result.warnings.push_back(
+        Concat(size - kHeaderBytes - count * kTriangleBytes, " bytes after the last triangle were not read"));
   }
   TriangleMesh& mesh = result.mesh;
   mesh.triangles.reserve(count);
@@ -107,7 +111,8 @@ class AsciiReader {
     if (IsWord(word, "vertex")) return ReadVertex();
     if (IsWord(word, "facet")) return in_solid_ && !in_facet_ ? Begin() : Fail("facet stands where it can't begin");
     if (IsWord(word, "endfacet")) return End();
-    if (IsWord(word, "outer") || IsWord(word, "endloop")) return in_facet_ ? absl::OkStatus() : Fail(word, " outside of a facet");
+    if (IsWord(word, "outer") || IsWord(word, "endloop"))
+      return in_facet_ ? absl::OkStatus() : Fail(word, " outside of a facet");
     if (IsWord(word, "solid")) return Open();
     if (IsWord(word, "endsolid")) return Close();
     if (IsWord(word, "color")) return absl::OkStatus();
@@ -165,9 +170,11 @@ absl::StatusOr<ReadResult> ReadStl(const Source& source) {
 }
 
 absl::Status WriteStl(const TriangleMesh& mesh, Output& output) {
-  if (mesh.IsPointSet()) return absl::InvalidArgumentError("STL holds triangles only; a point set can't be written to it");
+  if (mesh.IsPointSet())
+    return absl::InvalidArgumentError("STL holds triangles only; a point set can't be written to it");
   if (mesh.triangles.size() > std::numeric_limits<uint32_t>::max()) {
-    return absl::InvalidArgumentError(Concat("STL counts 4294967295 triangles at most; the mesh has ", mesh.triangles.size()));
+    return absl::InvalidArgumentError(
+        Concat("STL counts 4294967295 triangles at most; the mesh has ", mesh.triangles.size()));
   }
   std::array<char, 80> header = {};
   std::memcpy(header.data(), "Meshfront", 9);
@@ -179,7 +186,8 @@ absl::Status WriteStl(const TriangleMesh& mesh, Output& output) {
     for (const Vec3& v : {IsFinite(normal) ? normal : Vec3{}, a, b, c}) {
       for (int axis = 0; axis < 3; ++axis) {
         if (std::isfinite(v[axis]) && std::fabs(v[axis]) > std::numeric_limits<float>::max()) {
-          return absl::InvalidArgumentError(Concat("STL has 32-bit floats; the coordinate ", v[axis], " is beyond them"));
+          return absl::InvalidArgumentError(
+              Concat("STL has 32-bit floats; the coordinate ", v[axis], " is beyond them"));
         }
         output.Raw(static_cast<float>(v[axis]));
       }

@@ -12,8 +12,8 @@ namespace meshfront {
 class TextScanner {
  public:
   struct Dialect {
-    char comment = '#';        // 0: none
-    bool continued = false;    // a backslash at the end of a line joins the next one to it (OBJ)
+    char comment = '#';      // 0: none
+    bool continued = false;  // a backslash at the end of a line joins the next one to it (OBJ)
   };
   explicit TextScanner(std::string_view text) : TextScanner(text, Dialect()) {}
   TextScanner(std::string_view text, Dialect dialect);
@@ -22,12 +22,13 @@ class TextScanner {
   size_t offset() const { return at_ - begin_; }
   size_t remaining() const { return end_ - at_; }
 
-  bool AtLineEnd();        // passes blanks; true before a comment, a line end or the end of the text
-  bool SkipToContent();    // passes blanks, comments and line ends; false at the end of the text
-  void SkipLine();         // to the beginning of the next line
+  bool AtLineEnd();          // passes blanks; true before a comment, a line end or the end of the text
+  bool SkipToContent();      // passes blanks, comments and line ends; false at the end of the text
+  void SkipLine();           // to the beginning of the next line
   std::string_view Peek();   // the token at the cursor, up to a blank or line end; empty at a line end
   std::string_view Token();  // the same, and moves past it
-  std::string_view RestOfLine();  // up to the line end, blanks trimmed, comment signs included; the cursor stays before the line end
+  std::string_view
+  RestOfLine();  // up to the line end, blanks trimmed, comment signs included; the cursor stays before the line end
 
   // A number that fills its token; the cursor stays where it was when there is none. Takes a leading '+', "nan" and "inf"; a
   // number beyond the range of doubles becomes infinite (or zero, when it is too small).

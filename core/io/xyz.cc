@@ -106,7 +106,8 @@ absl::StatusOr<ReadResult> ReadXyz(const Source& source) { return XyzReader(sour
 
 absl::Status WriteXyz(const TriangleMesh& mesh, Output& output) {
   if (!mesh.IsPointSet()) {
-    return absl::InvalidArgumentError(Concat("XYZ holds points only; the mesh has ", mesh.triangles.size(), " triangles"));
+    return absl::InvalidArgumentError(
+        Concat("XYZ holds points only; the mesh has ", mesh.triangles.size(), " triangles"));
   }
   for (size_t i = 0; i < mesh.positions.size(); ++i) {
     output.Triple(mesh.positions[i]);

@@ -22,7 +22,7 @@ struct MeshPiece {
   absl::Span<const Triangle> triangles;
   absl::Span<const VertexId> finalised;  // vertices that no later triangle will use
   uint64_t open_front_edges = 0;         // left on the fronts when the piece was settled
-  absl::Span<const TriangleKind> kinds;    // one per triangle; as grown, a triangle is (base end, base start, apex)
+  absl::Span<const TriangleKind> kinds;  // one per triangle; as grown, a triangle is (base end, base start, apex)
 };
 
 // Implemented by: collectors in memory, the server's stream sink. Called by: the settling window, on the job's thread.

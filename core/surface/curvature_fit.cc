@@ -82,7 +82,8 @@ System NormalEquations(LocalSamples& s) {
     z20 += wxx * z, z11 += wxy * z, z02 += wyy * z, z10 += wx * z, z01 += wy * z, z00 += w * z;
   }
   System system;
-  const double xy2 = SumOf(m22), x2y = SumOf(m21), xy_y = SumOf(m12), x2 = SumOf(m20), xy1 = SumOf(m11), y2 = SumOf(m02);
+  const double xy2 = SumOf(m22), x2y = SumOf(m21), xy_y = SumOf(m12), x2 = SumOf(m20), xy1 = SumOf(m11),
+               y2 = SumOf(m02);
   system.matrix[0] = {SumOf(m40)};
   system.matrix[1] = {SumOf(m31), xy2};
   system.matrix[2] = {xy2, SumOf(m13), SumOf(m04)};

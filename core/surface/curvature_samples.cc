@@ -29,7 +29,10 @@ class Densifier {
  public:
   Densifier(const TriangleMesh& mesh, absl::Span<const double> curvatures, absl::Span<const double> ideal_lengths,
             std::vector<CurvatureSample>& samples)
-      : mesh_(mesh), curvatures_(curvatures), ideal_lengths_(ideal_lengths), samples_(samples),
+      : mesh_(mesh),
+        curvatures_(curvatures),
+        ideal_lengths_(ideal_lengths),
+        samples_(samples),
         limit_(5 * mesh.positions.size() + 200000) {}
 
   int PiecesOf(VertexId a, VertexId b) const {
@@ -72,8 +75,8 @@ absl::Status MeshSurface::ComputeCurvature(const Context& context) {
   return absl::OkStatus();
 }
 
-absl::Status MeshSurface::MeasureThickness(absl::Span<const double> ideal_lengths, std::vector<CurvatureSample>& samples,
-                                           const Context& context) const {
+absl::Status MeshSurface::MeasureThickness(absl::Span<const double> ideal_lengths,
+                                           std::vector<CurvatureSample>& samples, const Context& context) const {
   const double longest = kThicknessOfDiagonal * BoundingBox(mesh_).Diagonal();
   std::vector<double> limits(ideal_lengths.size());
   for (size_t v = 0; v < limits.size(); ++v) limits[v] = std::min(kThicknessOfLength * ideal_lengths[v], longest);

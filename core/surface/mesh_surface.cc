@@ -18,7 +18,8 @@ namespace {
 using namespace surface_tolerances;
 
 absl::Status ValidateMesh(const TriangleMesh& mesh) {
-  if (mesh.triangles.empty()) return absl::InvalidArgumentError("the mesh has no triangles; a surface needs at least one");
+  if (mesh.triangles.empty())
+    return absl::InvalidArgumentError("the mesh has no triangles; a surface needs at least one");
   for (size_t f = 0; f < mesh.triangles.size(); ++f) {
     for (const VertexId v : mesh.triangles[f]) {
       if (v.index() >= mesh.positions.size()) {
@@ -32,8 +33,9 @@ absl::Status ValidateMesh(const TriangleMesh& mesh) {
   }
   const double diagonal = BoundingBox(mesh).Diagonal();
   if (!(diagonal >= kMinDiagonal && diagonal <= kMaxDiagonal)) {
-    return absl::InvalidArgumentError(absl::StrCat("the mesh's bounding box has the diagonal ", diagonal, "; it must be in [",
-                                                   kMinDiagonal, ", ", kMaxDiagonal, "], scale it first"));
+    return absl::InvalidArgumentError(absl::StrCat("the mesh's bounding box has the diagonal ", diagonal,
+                                                   "; it must be in [", kMinDiagonal, ", ", kMaxDiagonal,
+                                                   "], scale it first"));
   }
   return absl::OkStatus();
 }
@@ -54,8 +56,11 @@ absl::StatusOr<std::unique_ptr<MeshSurface>> MeshSurface::Create(TriangleMesh me
 }
 
 MeshSurface::MeshSurface(TriangleMesh mesh, FaceAdjacency adjacency)
-    : mesh_(std::move(mesh)), adjacency_(std::move(adjacency)), normals_(ComputeVertexNormals(mesh_)),
-      curvatures_(mesh_.positions.size(), 0.0), components_(LabelComponents(adjacency_)),
+    : mesh_(std::move(mesh)),
+      adjacency_(std::move(adjacency)),
+      normals_(ComputeVertexNormals(mesh_)),
+      curvatures_(mesh_.positions.size(), 0.0),
+      components_(LabelComponents(adjacency_)),
       component_has_boundary_(components_.count, false) {
   for (size_t f = 0; f < adjacency_.opposite.size(); ++f) {
     for (const uint32_t across : adjacency_.opposite[f]) {
@@ -88,8 +93,7 @@ SourcePoint MeshSurface::AtVertex(VertexId v) const {
 
 SourcePoint MeshSurface::AtFace(FaceId face, double u, double v) const {
   const Triangle& t = mesh_.triangles[face.index()];
-  const Vec3 position =
-      (1 - u - v) * mesh_.PositionAt(t[0]) + u * mesh_.PositionAt(t[1]) + v * mesh_.PositionAt(t[2]);
+  const Vec3 position = (1 - u - v) * mesh_.PositionAt(t[0]) + u * mesh_.PositionAt(t[1]) + v * mesh_.PositionAt(t[2]);
   return Place({face.index(), u, v, position});
 }
 
@@ -124,7 +128,8 @@ std::optional<SourcePoint> MeshSurface::FindApex(const SourcePoint& a, const Sou
   if (!query) return std::nullopt;
   const FaceView view = View();
   if (const auto hit = WalkToCircle(view, radius_a <= radius_b ? a.patch : b.patch, query->circle)) {
-    if (FrontAgreement(*query, hit->position, BlendNormals(view, normals_, *hit)) >= kMinFrontAgreement) return Place(*hit);
+    if (FrontAgreement(*query, hit->position, BlendNormals(view, normals_, *hit)) >= kMinFrontAgreement)
+      return Place(*hit);
   }
   if (const auto hit = SearchApex(view, normals_, *query)) return Place(*hit);
   return std::nullopt;
@@ -136,7 +141,8 @@ SourcePoint MeshSurface::Snap(const SourcePoint& start, const Vec3& target) cons
 
 double MeshSurface::MaxCurvatureAt(const SourcePoint& p) const {
   const Triangle& t = mesh_.triangles[FaceOf(p)];
-  return (1 - p.u - p.v) * curvatures_[t[0].index()] + p.u * curvatures_[t[1].index()] + p.v * curvatures_[t[2].index()];
+  return (1 - p.u - p.v) * curvatures_[t[0].index()] + p.u * curvatures_[t[1].index()] +
+         p.v * curvatures_[t[2].index()];
 }
 
 bool MeshSurface::MeetsItselfNear(const Vec3& place, double radius) const {

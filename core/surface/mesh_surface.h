@@ -24,8 +24,9 @@ namespace meshfront {
 // What the sizing of one place follows from; the facade makes a sizing sample of it.
 struct CurvatureSample {
   Vec3 position;
-  double max_curvature = 0;   // 1/length, ≥ 0
-  double sheet_distance = 0;  // to the nearest other sheet (sheet_distance.h) within the search limit; +infinity when none
+  double max_curvature = 0;  // 1/length, ≥ 0
+  double sheet_distance =
+      0;  // to the nearest other sheet (sheet_distance.h) within the search limit; +infinity when none
 };
 
 // Immutable after ComputeCurvature; safe to read from many threads; deterministic at any thread count. Memory: the mesh, its
@@ -65,8 +66,8 @@ class MeshSurface final : public Surface {
   // curvature there (at most 8 along an edge, and at most 4 × the vertices + 200,000 in all). With `with_thickness` each vertex
   // gets the distance to the nearest other sheet, looked for up to 0.75 × its ideal length (at most a tenth of the diagonal).
   // FailedPrecondition before ComputeCurvature. `ideal_length` is called from one thread.
-  absl::StatusOr<std::vector<CurvatureSample>> CurvatureSamples(absl::FunctionRef<double(double max_curvature)> ideal_length,
-                                                                bool with_thickness, const Context& context) const;
+  absl::StatusOr<std::vector<CurvatureSample>> CurvatureSamples(
+      absl::FunctionRef<double(double max_curvature)> ideal_length, bool with_thickness, const Context& context) const;
 
   // Surface: see there. FindApex below 1 µs, Snap below 0.5 µs where edges are up to five of the input long.
   std::optional<SourcePoint> FindApex(const SourcePoint& a, const SourcePoint& b, double radius_a,

@@ -80,7 +80,8 @@ void VisitNear(const TriangleMesh& mesh, const FaceAdjacency& adjacency, uint32_
 }
 
 // Greedily in the order of the vertices, so that it depends on the mesh alone.
-std::vector<uint8_t> ChooseProbes(const TriangleMesh& mesh, const FaceAdjacency& adjacency, absl::Span<const double> limits) {
+std::vector<uint8_t> ChooseProbes(const TriangleMesh& mesh, const FaceAdjacency& adjacency,
+                                  absl::Span<const double> limits) {
   std::vector<uint8_t> is_probe(mesh.positions.size(), 0), covered(mesh.positions.size(), 0);
   for (uint32_t v = 0; v < is_probe.size(); ++v) {
     if (covered[v]) continue;
@@ -93,8 +94,8 @@ std::vector<uint8_t> ChooseProbes(const TriangleMesh& mesh, const FaceAdjacency&
 }  // namespace
 
 absl::StatusOr<std::vector<double>> MeasureSheetDistances(const TriangleMesh& mesh, const FaceAdjacency& adjacency,
-                                                          absl::Span<const Vec3> normals, absl::Span<const double> limits,
-                                                          const Context& context) {
+                                                          absl::Span<const Vec3> normals,
+                                                          absl::Span<const double> limits, const Context& context) {
   const TriangleBvh bvh(mesh.positions, mesh.triangles);
   const FaceView view{mesh.positions.data(), mesh.triangles.data(), adjacency.opposite.data()->data(),
                       static_cast<uint32_t>(mesh.triangles.size())};

@@ -16,7 +16,7 @@ namespace meshfront {
 // vertices are dense against the limits only some are probed, the others take the least of their neighbours. On the context's
 // threads; deterministic. 0.2 to 1 µs a vertex, plus a hierarchy over the faces.
 absl::StatusOr<std::vector<double>> MeasureSheetDistances(const TriangleMesh& mesh, const FaceAdjacency& adjacency,
-                                                          absl::Span<const Vec3> normals, absl::Span<const double> limits,
-                                                          const Context& context);
+                                                          absl::Span<const Vec3> normals,
+                                                          absl::Span<const double> limits, const Context& context);
 
 }  // namespace meshfront

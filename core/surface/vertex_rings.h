@@ -23,7 +23,8 @@ struct VertexRings {
     return absl::MakeConstSpan(neighbours).subspan(begin[v], begin[v + 1] - begin[v]);
   }
 };
-absl::StatusOr<VertexRings> CreateVertexRings(const TriangleMesh& mesh, const FaceAdjacency& adjacency, const Context& context);
+absl::StatusOr<VertexRings> CreateVertexRings(const TriangleMesh& mesh, const FaceAdjacency& adjacency,
+                                              const Context& context);
 
 // A vertex and those within a number of edges of it, nearest rings first; at most kCapacity. Reusable scratch, 6 KB.
 class RingCollector {

@@ -13,7 +13,8 @@ TriangleMesh Torus(uint32_t around, uint32_t along) {
   TriangleMesh mesh;
   for (uint32_t i = 0; i < around; ++i) {
     for (uint32_t j = 0; j < along; ++j) {
-      const double u = 2 * std::numbers::pi * i / around, v = 2 * std::numbers::pi * j / along, r = 1 + 0.3 * std::cos(v);
+      const double u = 2 * std::numbers::pi * i / around, v = 2 * std::numbers::pi * j / along,
+                   r = 1 + 0.3 * std::cos(v);
       mesh.positions.push_back({r * std::cos(u), r * std::sin(u), 0.3 * std::sin(v)});
       auto id = [&](uint32_t di, uint32_t dj) { return VertexId((i + di) % around * along + (j + dj) % along); };
       mesh.triangles.push_back({id(0, 0), id(1, 0), id(1, 1)});
@@ -27,8 +28,8 @@ void Count(benchmark::State& state, const TriangleMesh& mesh, size_t bytes) {
   const auto runs = static_cast<int64_t>(state.iterations());
   state.SetLabel(std::string(FormatName(static_cast<Format>(state.range(0)))));
   state.SetBytesProcessed(runs * static_cast<int64_t>(bytes));
-  state.counters["vertices/s"] =
-      benchmark::Counter(static_cast<double>(runs) * static_cast<double>(mesh.positions.size()), benchmark::Counter::kIsRate);
+  state.counters["vertices/s"] = benchmark::Counter(
+      static_cast<double>(runs) * static_cast<double>(mesh.positions.size()), benchmark::Counter::kIsRate);
 }
 
 void BM_Read(benchmark::State& state) {
@@ -52,8 +53,10 @@ void BM_Write(benchmark::State& state) {
   size_t size = 0;
   for (auto _ : state) {
     const auto bytes = FormatMesh(mesh, format);
-    if (!bytes.ok()) state.SkipWithError(std::string(bytes.status().message()).c_str());
-    else size = bytes->size();
+    if (!bytes.ok())
+      state.SkipWithError(std::string(bytes.status().message()).c_str());
+    else
+      size = bytes->size();
   }
   Count(state, mesh, size);
 }

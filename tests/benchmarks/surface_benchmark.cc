@@ -17,7 +17,8 @@ TriangleMesh WavyTorus(uint32_t around, uint32_t along) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> jitter(-0.3, 0.3);
   for (uint32_t i = 0; i < around * along; ++i) {
-    const double a = 2 * M_PI * (i / along + jitter(random)) / around, b = 2 * M_PI * (i % along + jitter(random)) / along;
+    const double a = 2 * M_PI * (i / along + jitter(random)) / around,
+                 b = 2 * M_PI * (i % along + jitter(random)) / along;
     const double tube = 0.4 + 0.03 * std::sin(9 * a) * std::cos(4 * b), ring = 1 + tube * std::cos(b);
     mesh.positions.push_back({ring * std::cos(a), ring * std::sin(a), tube * std::sin(b)});
   }
@@ -83,7 +84,8 @@ std::vector<std::pair<SourcePoint, SourcePoint>> Edges(double length) {
   for (uint32_t f = 0; f < Mesh().triangles.size(); f += 13) {
     const SourcePoint a = Surface().AtFace(FaceId(f), 0.3, 0.3);
     const Vec3 direction{unit(random), unit(random), unit(random)};
-    const SourcePoint b = Surface().Snap(a, a.position + length * Normalized(direction - Dot(direction, a.normal) * a.normal));
+    const SourcePoint b =
+        Surface().Snap(a, a.position + length * Normalized(direction - Dot(direction, a.normal) * a.normal));
     edges.emplace_back(a, b);
   }
   return edges;

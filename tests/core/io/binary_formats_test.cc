@@ -16,10 +16,10 @@ using absl::StatusCode;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using ::testing::SizeIs;
 using testing::IsOk;
 using testing::Raw;
 using testing::ReadText;
+using ::testing::SizeIs;
 using testing::StatusIs;
 
 // --- PLY ----------------------------------------------------------------------------------------------------------------
@@ -37,10 +37,12 @@ std::string Swapped(std::string bytes) {
 TEST(Ply, ReadsBothByteOrders) {
   for (const bool big : {false, true}) {
     auto number = [&](auto value) { return big ? Swapped(Raw({value})) : Raw({value}); };
-    std::string bytes = Header(big ? "binary_big_endian" : "binary_little_endian",
-                               "element vertex 3\nproperty double x\nproperty short y\nproperty uchar z\nelement face 1\n"
-                               "property list ushort int vertex_index\n");
-    for (int i = 0; i < 3; ++i) bytes += number(0.1 * i) + number(static_cast<int16_t>(-300 * i * i)) + number(static_cast<uint8_t>(200));
+    std::string bytes =
+        Header(big ? "binary_big_endian" : "binary_little_endian",
+               "element vertex 3\nproperty double x\nproperty short y\nproperty uchar z\nelement face 1\n"
+               "property list ushort int vertex_index\n");
+    for (int i = 0; i < 3; ++i)
+      bytes += number(0.1 * i) + number(static_cast<int16_t>(-300 * i * i)) + number(static_cast<uint8_t>(200));
     bytes += number(uint16_t{3});
     for (const int32_t i : {2, 1, 0}) bytes += number(i);
     const auto read = ReadText(bytes, Format::kPly);
@@ -51,11 +53,13 @@ TEST(Ply, ReadsBothByteOrders) {
 }
 
 TEST(Ply, PassesOverWhatItDoesNotKnow) {
-  const auto read = ReadText(Header("ascii", "comment hello\nobj_info x\nelement camera 2\nproperty list uchar float p\nproperty int q\n"
-                                             "element vertex 3\nproperty float z\nproperty float y\nproperty float x\nproperty uchar red\n"
-                                             "property float quality\nelement face 1\nproperty list uchar float texcoord\n"
-                                             "property list uchar uint vertex_indices\n") +
-                                 "2 0.5 0.5 7\n0 8\n3 2 1 9 9\n0 0 1 9 9\n0 1 0 9 9\n6 0 0 1 0 0 1 3 0 1 2\n");
+  const auto read =
+      ReadText(Header("ascii",
+                      "comment hello\nobj_info x\nelement camera 2\nproperty list uchar float p\nproperty int q\n"
+                      "element vertex 3\nproperty float z\nproperty float y\nproperty float x\nproperty uchar red\n"
+                      "property float quality\nelement face 1\nproperty list uchar float texcoord\n"
+                      "property list uchar uint vertex_indices\n") +
+               "2 0.5 0.5 7\n0 8\n3 2 1 9 9\n0 0 1 9 9\n0 1 0 9 9\n6 0 0 1 0 0 1 3 0 1 2\n");
   ASSERT_THAT(read, IsOk());
   EXPECT_EQ(read->mesh.positions[0], (Vec3{1, 2, 3}));
   EXPECT_THAT(read->mesh.triangles, SizeIs(1));
@@ -79,12 +83,16 @@ TEST(Ply, TurnsStripsIntoTrianglesThatFaceOneWay) {
 }
 
 TEST(Ply, SaysWhichByteOrLineIsWrong) {
-  const std::string head = Header("binary_little_endian", std::string("element vertex 3\n") + kXyzFloats +
-                                                              "element face 1\nproperty list uchar int vertex_indices\n");
+  const std::string head =
+      Header("binary_little_endian", std::string("element vertex 3\n") + kXyzFloats +
+                                         "element face 1\nproperty list uchar int vertex_indices\n");
   const std::string vertices(36, '\0');
-  EXPECT_THAT(ReadText(head + vertices + '\3' + Raw({0, 1, 3})), StatusIs(StatusCode::kInvalidArgument, "face 0 names vertex 3; there are 3"));
-  EXPECT_THAT(ReadText(head + vertices + '\3' + Raw({0, 1, -1})), StatusIs(StatusCode::kInvalidArgument, "names vertex -1"));
-  EXPECT_THAT(ReadText(head + vertices + '\xff' + Raw({0, 1})), StatusIs(StatusCode::kInvalidArgument, "a list of 255 values"));
+  EXPECT_THAT(ReadText(head + vertices + '\3' + Raw({0, 1, 3})),
+              StatusIs(StatusCode::kInvalidArgument, "face 0 names vertex 3; there are 3"));
+  EXPECT_THAT(ReadText(head + vertices + '\3' + Raw({0, 1, -1})),
+              StatusIs(StatusCode::kInvalidArgument, "names vertex -1"));
+  EXPECT_THAT(ReadText(head + vertices + '\xff' + Raw({0, 1})),
+              StatusIs(StatusCode::kInvalidArgument, "a list of 255 values"));
   EXPECT_THAT(ReadText(Header("ascii", std::string("element vertex 1\n") + kXyzFloats) + "0 zero 0\n"),
               StatusIs(StatusCode::kInvalidArgument, "line 8: \"zero\" is not a number in vertex 0"));
 }
@@ -93,19 +101,27 @@ TEST(Ply, NeverTrustsACount) {
   EXPECT_THAT(ReadText(Header("ascii", std::string("element vertex 99999999999\n") + kXyzFloats) + "0 0 0\n"),
               StatusIs(StatusCode::kInvalidArgument, "line 3: the header says 99999999999"));
   EXPECT_THAT(ReadText(Header("ascii", std::string("element vertex 1\n") + kXyzFloats +
-                                           "element face 1\nproperty list char int vertex_indices\n") + "0 0 0\n-3 0 0 0\n"),
+                                           "element face 1\nproperty list char int vertex_indices\n") +
+                       "0 0 0\n-3 0 0 0\n"),
               StatusIs(StatusCode::kInvalidArgument, "a list of -3 values"));
-  EXPECT_THAT(ReadText(Header("ascii", "element vertex -1\nproperty float x\n")), StatusIs(StatusCode::kInvalidArgument, "negative"));
+  EXPECT_THAT(ReadText(Header("ascii", "element vertex -1\nproperty float x\n")),
+              StatusIs(StatusCode::kInvalidArgument, "negative"));
   // An element without properties takes no bytes and no time.
-  EXPECT_THAT(ReadText(Header("ascii", std::string("element nothing 9000000000000000000\nelement vertex 1\n") + kXyzFloats) + "0 0 0\n"), IsOk());
+  EXPECT_THAT(
+      ReadText(Header("ascii", std::string("element nothing 9000000000000000000\nelement vertex 1\n") + kXyzFloats) +
+               "0 0 0\n"),
+      IsOk());
 }
 
 TEST(Ply, RefusesAHeaderThatIsNone) {
   EXPECT_THAT(ReadText("ply\nelement vertex 1\n"), StatusIs(StatusCode::kInvalidArgument, "inside the header"));
   EXPECT_THAT(ReadText("ply\nformat ascii 2.0\n"), StatusIs(StatusCode::kInvalidArgument, "version is \"2.0\""));
-  EXPECT_THAT(ReadText(Header("ascii", "element vertex 1\nproperty quad x\n")), StatusIs(StatusCode::kInvalidArgument, "\"quad\" is no type"));
-  EXPECT_THAT(ReadText(Header("ascii", "element vertex 1\nproperty float x\n") + "0\n"), StatusIs(StatusCode::kInvalidArgument, "lacks x, y or z"));
-  EXPECT_THAT(ReadText(Header("ascii", "element vertex 1\nelement vertex 1\n")), StatusIs(StatusCode::kInvalidArgument, "defined twice"));
+  EXPECT_THAT(ReadText(Header("ascii", "element vertex 1\nproperty quad x\n")),
+              StatusIs(StatusCode::kInvalidArgument, "\"quad\" is no type"));
+  EXPECT_THAT(ReadText(Header("ascii", "element vertex 1\nproperty float x\n") + "0\n"),
+              StatusIs(StatusCode::kInvalidArgument, "lacks x, y or z"));
+  EXPECT_THAT(ReadText(Header("ascii", "element vertex 1\nelement vertex 1\n")),
+              StatusIs(StatusCode::kInvalidArgument, "defined twice"));
 }
 
 // --- STL ----------------------------------------------------------------------------------------------------------------
@@ -124,8 +140,10 @@ TEST(Stl, ReadsAsciiWithSeveralSolidsInAnyCase) {
 
 TEST(Stl, RefusesAsciiThatIsOutOfOrder) {
   EXPECT_THAT(ReadText(std::string("solid a\n") + kFacet), StatusIs(StatusCode::kInvalidArgument, "without endsolid"));
-  EXPECT_THAT(ReadText("solid a\nfacet normal 0 0 1\nvertex 0 0 0\nendfacet\n"), StatusIs(StatusCode::kInvalidArgument, "line 4: a facet ends after 1 vertices"));
-  EXPECT_THAT(ReadText("solid a\nfacet normal 0 0 1\nvertex 0 here 0\n"), StatusIs(StatusCode::kInvalidArgument, "line 3: a vertex has \"here\""));
+  EXPECT_THAT(ReadText("solid a\nfacet normal 0 0 1\nvertex 0 0 0\nendfacet\n"),
+              StatusIs(StatusCode::kInvalidArgument, "line 4: a facet ends after 1 vertices"));
+  EXPECT_THAT(ReadText("solid a\nfacet normal 0 0 1\nvertex 0 here 0\n"),
+              StatusIs(StatusCode::kInvalidArgument, "line 3: a vertex has \"here\""));
   EXPECT_THAT(ReadText("solid a\nfacet\nbanana\n"), StatusIs(StatusCode::kInvalidArgument, "\"banana\" is no word"));
 }
 
@@ -133,7 +151,8 @@ std::string Binary(uint32_t promised, int present, const std::string& name = "")
   std::string bytes = name;
   bytes.resize(80, ' ');
   bytes += Raw({promised});
-  for (int i = 0; i < present; ++i) bytes += Raw({0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f, float(i), 0.f, 1.f, float(i)}) + std::string(2, '\0');
+  for (int i = 0; i < present; ++i)
+    bytes += Raw({0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f, float(i), 0.f, 1.f, float(i)}) + std::string(2, '\0');
   return bytes;
 }
 
@@ -149,7 +168,8 @@ TEST(Stl, ReadsMoreTrianglesThanPromisedButNotFewer) {
   ASSERT_THAT(more, IsOk());
   EXPECT_THAT(more->mesh.triangles, SizeIs(5));
   EXPECT_THAT(more->warnings, Contains(HasSubstr("the header says 2 triangles, the file has 5")));
-  EXPECT_THAT(ReadText(Binary(6, 5), Format::kStl), StatusIs(StatusCode::kInvalidArgument, "byte 80: the header says 6 triangles"));
+  EXPECT_THAT(ReadText(Binary(6, 5), Format::kStl),
+              StatusIs(StatusCode::kInvalidArgument, "byte 80: the header says 6 triangles"));
 }
 
 TEST(Stl, WeldsZeroWithMinusZeroAndNothingElse) {
@@ -169,7 +189,8 @@ TEST(Stl, WritesNormalsOfLengthOneAndRefusesWhatAFloatCannotHold) {
   float normal[3];
   std::memcpy(normal, bytes->data() + 84, 12);
   EXPECT_EQ(normal[2], 1.f);
-  EXPECT_THAT(FormatMesh(testing::Scaled(testing::OneTriangle(), 1e300), Format::kStl), StatusIs(StatusCode::kInvalidArgument, "32-bit floats"));
+  EXPECT_THAT(FormatMesh(testing::Scaled(testing::OneTriangle(), 1e300), Format::kStl),
+              StatusIs(StatusCode::kInvalidArgument, "32-bit floats"));
 }
 
 }  // namespace

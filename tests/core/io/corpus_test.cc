@@ -55,7 +55,8 @@ TEST(Corpus, RefusesEveryRejectRowWithASentence) {
   for (const Case& c : Cases()) {
     if (c.kind != "reject" || IsForRepairToRefuse(c.file)) continue;
     const auto read = ReadMeshFile((DataFolder() / "bad" / c.file).string());
-    EXPECT_EQ(read.status().code(), absl::StatusCode::kInvalidArgument) << c.file << ": " << c.what << "\n" << read.status();
+    EXPECT_EQ(read.status().code(), absl::StatusCode::kInvalidArgument) << c.file << ": " << c.what << "\n"
+                                                                        << read.status();
     EXPECT_NE(read.status().message().find(c.file), std::string::npos) << read.status();
   }
 }

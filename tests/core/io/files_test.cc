@@ -62,7 +62,8 @@ TEST(Reading, StopsAtTheLimitCompressedOrNot) {
     ASSERT_THAT(WriteMeshFile(folder.File(name), sphere), IsOk());
     const uint64_t size = FormatMesh(sphere, Format::kOff)->size();
     EXPECT_THAT(ReadMeshFile(folder.File(name), {.max_decompressed_bytes = size}), IsOk());
-    EXPECT_THAT(ReadMeshFile(folder.File(name), {.max_decompressed_bytes = size - 1}), StatusIs(StatusCode::kInvalidArgument, "limit"));
+    EXPECT_THAT(ReadMeshFile(folder.File(name), {.max_decompressed_bytes = size - 1}),
+                StatusIs(StatusCode::kInvalidArgument, "limit"));
   }
 }
 
@@ -76,7 +77,8 @@ TEST(Gzip, ReadsMembersOneAfterTheOther) {
 TEST(Gzip, RefusesEveryTruncationAndEveryDamagedByte) {
   const std::string whole = Gzipped(*FormatMesh(testing::Cube(1), Format::kOff));
   for (size_t length = 1; length < whole.size(); ++length) {
-    EXPECT_THAT(ReadText(whole.substr(0, length), Format::kOff), StatusIs(StatusCode::kInvalidArgument, "test: ")) << length;
+    EXPECT_THAT(ReadText(whole.substr(0, length), Format::kOff), StatusIs(StatusCode::kInvalidArgument, "test: "))
+        << length;
   }
   for (size_t at = 10; at < whole.size(); ++at) {  // the ten bytes before hold a name's flags and a time
     std::string damaged = whole;
@@ -130,15 +132,19 @@ TEST(Writing, FollowsALinkAndWritesToAPipe) {
 
 TEST(Writing, SaysWhyItCanNot) {
   const TemporaryFolder folder;
-  EXPECT_THAT(WriteMeshFile(folder.File("missing/mesh.off"), testing::OneTriangle()), StatusIs(StatusCode::kNotFound, "can't be created"));
-  EXPECT_THAT(WriteMeshFile(folder.path(), testing::OneTriangle(), Format::kOff), StatusIs(StatusCode::kFailedPrecondition, "is a folder"));
-  EXPECT_THAT(WriteMeshFile(folder.File("mesh.doc"), testing::OneTriangle()), StatusIs(StatusCode::kInvalidArgument, "names no format"));
+  EXPECT_THAT(WriteMeshFile(folder.File("missing/mesh.off"), testing::OneTriangle()),
+              StatusIs(StatusCode::kNotFound, "can't be created"));
+  EXPECT_THAT(WriteMeshFile(folder.path(), testing::OneTriangle(), Format::kOff),
+              StatusIs(StatusCode::kFailedPrecondition, "is a folder"));
+  EXPECT_THAT(WriteMeshFile(folder.File("mesh.doc"), testing::OneTriangle()),
+              StatusIs(StatusCode::kInvalidArgument, "names no format"));
   EXPECT_EQ(folder.Entries(), 0u);
 }
 
 TEST(Writing, AFullDiskIsReported) {
   if (::access("/dev/full", W_OK) != 0) GTEST_SKIP() << "no /dev/full";
-  EXPECT_THAT(WriteMeshFile("/dev/full", testing::Icosphere(4), Format::kOff), StatusIs(StatusCode::kResourceExhausted, "/dev/full can't be written"));
+  EXPECT_THAT(WriteMeshFile("/dev/full", testing::Icosphere(4), Format::kOff),
+              StatusIs(StatusCode::kResourceExhausted, "/dev/full can't be written"));
 }
 
 }  // namespace

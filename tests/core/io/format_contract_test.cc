@@ -20,7 +20,10 @@ class FormatContract : public ::testing::TestWithParam<Format> {
  protected:
   bool HoldsTriangles() const { return GetParam() != Format::kXyz; }
   bool HoldsPoints() const { return GetParam() != Format::kStl; }
-  bool IsExact() const { return GetParam() == Format::kOff || GetParam() == Format::kObj || GetParam() == Format::kPly || GetParam() == Format::kXyz; }
+  bool IsExact() const {
+    return GetParam() == Format::kOff || GetParam() == Format::kObj || GetParam() == Format::kPly ||
+           GetParam() == Format::kXyz;
+  }
   bool IsText() const { return GetParam() == Format::kOff || GetParam() == Format::kObj || GetParam() == Format::kXyz; }
 
   std::string Written(const TriangleMesh& mesh) const {
@@ -46,7 +49,8 @@ void ExpectSameTriangles(const TriangleMesh& a, const TriangleMesh& b, double to
   ASSERT_EQ(a.triangles.size(), b.triangles.size());
   for (size_t i = 0; i < a.triangles.size(); ++i) {
     for (int corner = 0; corner < 3; ++corner) {
-      ASSERT_LE(Distance(a.PositionAt(a.triangles[i][corner]), b.PositionAt(b.triangles[i][corner])), tolerance) << "triangle " << i;
+      ASSERT_LE(Distance(a.PositionAt(a.triangles[i][corner]), b.PositionAt(b.triangles[i][corner])), tolerance)
+          << "triangle " << i;
     }
   }
 }
@@ -150,12 +154,24 @@ std::string Mutated(std::string bytes, Dice& dice) {
   for (uint64_t n = 1 + dice.Roll(4); n > 0 && !bytes.empty(); --n) {
     const size_t at = dice.Roll(bytes.size());
     switch (dice.Roll(6)) {
-      case 0: bytes[at] = static_cast<char>(bytes[at] ^ (1 << dice.Roll(8))); break;
-      case 1: bytes[at] = static_cast<char>(dice.Roll(256)); break;
-      case 2: bytes[at] = "0123456789-+.eE/#\\\"{}[],: \n"[dice.Roll(27)]; break;
-      case 3: bytes.erase(at, 1 + dice.Roll(8)); break;
-      case 4: bytes.insert(at, bytes.substr(dice.Roll(bytes.size()), dice.Roll(40))); break;
-      case 5: bytes.replace(at, 4, std::string(4, dice.Roll(2) ? '\xff' : '\0')); break;
+      case 0:
+        bytes[at] = static_cast<char>(bytes[at] ^ (1 << dice.Roll(8)));
+        break;
+      case 1:
+        bytes[at] = static_cast<char>(dice.Roll(256));
+        break;
+      case 2:
+        bytes[at] = "0123456789-+.eE/#\\\"{}[],: \n"[dice.Roll(27)];
+        break;
+      case 3:
+        bytes.erase(at, 1 + dice.Roll(8));
+        break;
+      case 4:
+        bytes.insert(at, bytes.substr(dice.Roll(bytes.size()), dice.Roll(40)));
+        break;
+      case 5:
+        bytes.replace(at, 4, std::string(4, dice.Roll(2) ? '\xff' : '\0'));
+        break;
     }
   }
   return bytes;
@@ -207,7 +223,8 @@ TEST_P(FormatContract, RefusesToWriteAnEmptyMeshAndAnIndexOutOfRange) {
   EXPECT_THAT(FormatMesh({}, GetParam()), StatusIs(absl::StatusCode::kInvalidArgument, "no vertices"));
   TriangleMesh broken = testing::OneTriangle();
   broken.triangles[0][1] = VertexId(3);
-  EXPECT_THAT(FormatMesh(broken, GetParam()), StatusIs(absl::StatusCode::kInvalidArgument, "triangle 0 names vertex 3"));
+  EXPECT_THAT(FormatMesh(broken, GetParam()),
+              StatusIs(absl::StatusCode::kInvalidArgument, "triangle 0 names vertex 3"));
 }
 
 TEST_P(FormatContract, RefusesAnEmptyFile) {
@@ -216,8 +233,8 @@ TEST_P(FormatContract, RefusesAnEmptyFile) {
 }
 
 INSTANTIATE_TEST_SUITE_P(AllFormats, FormatContract,
-                         ::testing::Values(Format::kOff, Format::kObj, Format::kPly, Format::kStl, Format::kGlb, Format::kGltf,
-                                           Format::kXyz),
+                         ::testing::Values(Format::kOff, Format::kObj, Format::kPly, Format::kStl, Format::kGlb,
+                                           Format::kGltf, Format::kXyz),
                          [](const auto& info) { return std::string(FormatName(info.param)); });
 
 }  // namespace

@@ -15,9 +15,9 @@ using absl::StatusCode;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using ::testing::SizeIs;
 using testing::IsOk;
 using testing::ReadText;
+using ::testing::SizeIs;
 using testing::StatusIs;
 
 TriangleMesh MeshOf(const std::string& text, Format format) {
@@ -27,7 +27,8 @@ TriangleMesh MeshOf(const std::string& text, Format format) {
 }
 
 double Area(const TriangleMesh& mesh, const Triangle& t) {
-  return 0.5 * Norm(Cross(mesh.PositionAt(t[1]) - mesh.PositionAt(t[0]), mesh.PositionAt(t[2]) - mesh.PositionAt(t[0])));
+  return 0.5 *
+         Norm(Cross(mesh.PositionAt(t[1]) - mesh.PositionAt(t[0]), mesh.PositionAt(t[2]) - mesh.PositionAt(t[0])));
 }
 double Area(const TriangleMesh& mesh) {
   double area = 0;
@@ -44,13 +45,16 @@ TEST(Off, TakesCountsOnTheFirstLineAndNoEdges) {
 }
 
 TEST(Off, PassesCommentsBlankLinesAndOldLineEnds) {
-  EXPECT_THAT(MeshOf("# made by hand\n\nOFF # word\r\n3 1 0\r\n# a\r\n0 0 0\r\n\r\n1 0 0 # b\r\n0 1 0\r\n3 0 1 2\r\n", Format::kOff).triangles,
+  EXPECT_THAT(MeshOf("# made by hand\n\nOFF # word\r\n3 1 0\r\n# a\r\n0 0 0\r\n\r\n1 0 0 # b\r\n0 1 0\r\n3 0 1 2\r\n",
+                     Format::kOff)
+                  .triangles,
               SizeIs(1));
   EXPECT_THAT(MeshOf("OFF\r3 1 0\r0 0 0\r1 0 0\r0 1 0\r3 0 1 2\r", Format::kOff).triangles, SizeIs(1));
 }
 
 TEST(Off, LeavesColoursAndTextureCoordinatesBehindAndSaysSo) {
-  const TriangleMesh coff = MeshOf("COFF\n3 1 0\n0 0 0 255 0 0 255\n1 0 0 0 255 0 255\n0 1 0 0 0 255 255\n3 0 1 2 0.5 0.5 0.5\n", Format::kOff);
+  const TriangleMesh coff = MeshOf(
+      "COFF\n3 1 0\n0 0 0 255 0 0 255\n1 0 0 0 255 0 255\n0 1 0 0 0 255 255\n3 0 1 2 0.5 0.5 0.5\n", Format::kOff);
   EXPECT_THAT(coff.dropped_attributes, ::testing::UnorderedElementsAre("color", "face color"));
   const TriangleMesh stoff = MeshOf("STOFF\n3 1 0\n0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n", Format::kOff);
   EXPECT_THAT(stoff.dropped_attributes, Contains("texcoord_0"));
@@ -66,7 +70,8 @@ TEST(Off, KeepsNormalsOfPointsAndScalesThemToLengthOne) {
 TEST(Off, RefusesOtherDimensionsAndBinary) {
   EXPECT_THAT(ReadText("nOFF\n4\n1 0 0\n0 0 0 0\n"), StatusIs(StatusCode::kInvalidArgument, "line 1: \"nOFF\""));
   EXPECT_THAT(ReadText("4OFF\n1 0 0\n0 0 0 1\n"), StatusIs(StatusCode::kInvalidArgument, "\"4OFF\""));
-  EXPECT_THAT(ReadText(std::string("OFF BINARY\n\0\0\0\1", 15)), StatusIs(StatusCode::kInvalidArgument, "binary OFF is not read"));
+  EXPECT_THAT(ReadText(std::string("OFF BINARY\n\0\0\0\1", 15)),
+              StatusIs(StatusCode::kInvalidArgument, "binary OFF is not read"));
 }
 
 TEST(Off, SkipsFacesOfFewerThanThreeCornersWithAWarning) {
@@ -81,7 +86,8 @@ TEST(Off, SaysWhichLineIsWrong) {
               StatusIs(StatusCode::kInvalidArgument, "test: line 6: face 0 names vertex 7; the vertices are 0 to 2"));
   EXPECT_THAT(ReadText("OFF\n3 1 0\n0 0 0\n1 0,5 0\n0 1 0\n3 0 1 2\n"),
               StatusIs(StatusCode::kInvalidArgument, "test: line 4: vertex 1 has \"0,5\", not a number"));
-  EXPECT_THAT(ReadText("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2.5\n"), StatusIs(StatusCode::kInvalidArgument, "line 6"));
+  EXPECT_THAT(ReadText("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2.5\n"),
+              StatusIs(StatusCode::kInvalidArgument, "line 6"));
 }
 
 TEST(Off, ReadsNumbersOfEveryKind) {
@@ -98,7 +104,8 @@ TEST(Off, ReadsNumbersOfEveryKind) {
 TEST(Off, NeverTrustsACount) {
   EXPECT_THAT(ReadText("OFF\n4000000000 1 0\n0 0 0\n"), StatusIs(StatusCode::kInvalidArgument, "only"));
   EXPECT_THAT(ReadText("OFF\n1 4000000000 0\n0 0 0\n"), StatusIs(StatusCode::kInvalidArgument, "only"));
-  EXPECT_THAT(ReadText("OFF\n1 1 0\n0 0 0\n1000000000 0\n"), StatusIs(StatusCode::kInvalidArgument, "1000000000 corners"));
+  EXPECT_THAT(ReadText("OFF\n1 1 0\n0 0 0\n1000000000 0\n"),
+              StatusIs(StatusCode::kInvalidArgument, "1000000000 corners"));
   EXPECT_THAT(ReadText("OFF\n99999999999999999999 1 0\n"), StatusIs(StatusCode::kInvalidArgument, "64 bits"));
 }
 
@@ -116,7 +123,8 @@ TEST(Polygons, AStarOfManyPointsKeepsItsAreaInAnyPlane) {
   double area = 0;
   for (int i = 0; i < 200; ++i) {
     const double r = i % 2 ? 1 : 3, angle = i * 3.14159265358979323846 / 100;
-    text += std::to_string(r * std::cos(angle)) + " " + std::to_string(r * std::sin(angle)) + " " + std::to_string(r * std::cos(angle)) + "\n";
+    text += std::to_string(r * std::cos(angle)) + " " + std::to_string(r * std::sin(angle)) + " " +
+            std::to_string(r * std::cos(angle)) + "\n";
     area += 0.5 * 3 * 1 * std::sin(3.14159265358979323846 / 100);
   }
   text += "200";
@@ -128,7 +136,8 @@ TEST(Polygons, AStarOfManyPointsKeepsItsAreaInAnyPlane) {
 
 TEST(Polygons, OneThatCutsItselfOrIsHugeStillEnds) {
   std::string text = "OFF\n4000 1 0\n";
-  for (int i = 0; i < 4000; ++i) text += std::to_string((i * 7919) % 4001) + " " + std::to_string((i * 104729) % 3989) + " 0\n";
+  for (int i = 0; i < 4000; ++i)
+    text += std::to_string((i * 7919) % 4001) + " " + std::to_string((i * 104729) % 3989) + " 0\n";
   text += "4000";
   for (int i = 0; i < 4000; ++i) text += " " + std::to_string(i);
   EXPECT_THAT(MeshOf(text + "\n", Format::kOff).triangles, SizeIs(3998));
@@ -142,7 +151,8 @@ TEST(Polygons, CornersThatAreNotFiniteMakeAFan) {
 
 TEST(Obj, TakesEveryKindOfCorner) {
   const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\n";
-  for (const char* face : {"f 1 2 3", "f 1/1 2/1 3/1", "f 1//1 2//1 3//1", "f 1/1/1 2/1/1 3/1/1", "f -3 -2 -1", "f 1 \\\n 2 \\\r\n3"}) {
+  for (const char* face :
+       {"f 1 2 3", "f 1/1 2/1 3/1", "f 1//1 2//1 3//1", "f 1/1/1 2/1/1 3/1/1", "f -3 -2 -1", "f 1 \\\n 2 \\\r\n3"}) {
     const TriangleMesh mesh = MeshOf(vertices + face + "\n", Format::kObj);
     ASSERT_THAT(mesh.triangles, SizeIs(1)) << face;
     EXPECT_EQ(mesh.triangles[0], (Triangle{VertexId(0), VertexId(1), VertexId(2)})) << face;
@@ -158,8 +168,10 @@ TEST(Obj, TakesFacesBeforeTheirVertices) {
 
 TEST(Obj, RefusesWhatIsNoFace) {
   const std::string v = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
-  EXPECT_THAT(ReadText(v + "f 0 1 2\n", Format::kObj), StatusIs(StatusCode::kInvalidArgument, "line 4: a face names vertex 0"));
-  EXPECT_THAT(ReadText(v + "f -4 1 2\n", Format::kObj), StatusIs(StatusCode::kInvalidArgument, "only 3 come before it"));
+  EXPECT_THAT(ReadText(v + "f 0 1 2\n", Format::kObj),
+              StatusIs(StatusCode::kInvalidArgument, "line 4: a face names vertex 0"));
+  EXPECT_THAT(ReadText(v + "f -4 1 2\n", Format::kObj),
+              StatusIs(StatusCode::kInvalidArgument, "only 3 come before it"));
   EXPECT_THAT(ReadText(v + "f 1 2 3x\n", Format::kObj), StatusIs(StatusCode::kInvalidArgument, "\"3x\""));
   EXPECT_THAT(ReadText(v + "f 1 2 5000000000\n", Format::kObj), StatusIs(StatusCode::kInvalidArgument, "5000000000"));
   EXPECT_THAT(ReadText("<html>\n", Format::kObj), StatusIs(StatusCode::kInvalidArgument, "line 1: \"<html>\""));
@@ -200,13 +212,16 @@ TEST(Xyz, TakesAColourForAColour) {
 
 TEST(Xyz, HoldsThePromiseOfAPtsFile) {
   EXPECT_THAT(MeshOf("2\n0 0 0\n1 2 3\n", Format::kXyz).positions, SizeIs(2));
-  EXPECT_THAT(ReadText("3\n0 0 0\n1 2 3\n", Format::kXyz), StatusIs(StatusCode::kInvalidArgument, "promises 3 points, but there are 2"));
+  EXPECT_THAT(ReadText("3\n0 0 0\n1 2 3\n", Format::kXyz),
+              StatusIs(StatusCode::kInvalidArgument, "promises 3 points, but there are 2"));
 }
 
 TEST(Xyz, RefusesRaggedLines) {
-  EXPECT_THAT(ReadText("0 0 0\n1 2 3 4 5\n", Format::kXyz), StatusIs(StatusCode::kInvalidArgument, "line 2: has 5 numbers"));
+  EXPECT_THAT(ReadText("0 0 0\n1 2 3 4 5\n", Format::kXyz),
+              StatusIs(StatusCode::kInvalidArgument, "line 2: has 5 numbers"));
   EXPECT_THAT(ReadText("0 0\n", Format::kXyz), StatusIs(StatusCode::kInvalidArgument, "line 1: has 2 numbers"));
-  EXPECT_THAT(ReadText("0 0 zero\n", Format::kXyz), StatusIs(StatusCode::kInvalidArgument, "line 1: \"zero\" is not a number"));
+  EXPECT_THAT(ReadText("0 0 zero\n", Format::kXyz),
+              StatusIs(StatusCode::kInvalidArgument, "line 1: \"zero\" is not a number"));
 }
 
 TEST(Xyz, WarnsOfNormalsThatAreNone) {

@@ -134,7 +134,8 @@ TEST(MeshSurface, StaysOnItsTubeNextToAnother) {
   const Box3 box = BoundingBox(surface->mesh());
   const double middle = 0.5 * (box.min.x + box.max.x);
   for (const double side : {-1.0, 1.0}) {
-    const SourcePoint a = Near(*surface, {middle + side * 0.01, 0, 0}), b = Near(*surface, {middle + side * 0.01, 0, 0.3});
+    const SourcePoint a = Near(*surface, {middle + side * 0.01, 0, 0}),
+                      b = Near(*surface, {middle + side * 0.01, 0, 0.3});
     const auto component = surface->ComponentOf(FaceId(a.patch));
     for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)}) {
       const auto apex = surface->FindApex(from, to, 0.3, 0.3);

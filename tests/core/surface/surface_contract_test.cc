@@ -26,7 +26,7 @@ std::unique_ptr<MeshSurface> SurfaceOf(TriangleMesh mesh) {
 struct Case {
   std::string name;
   std::function<TriangleMesh()> mesh;
-  double edge;  // a front edge's length there
+  double edge;                 // a front edge's length there
   double local_minima = 1e-9;  // how much farther than the closest a locally closest point may be, in edges
 };
 void PrintTo(const Case& c, std::ostream* os) { *os << c.name; }
@@ -41,7 +41,11 @@ std::vector<Case> Shapes() {
       {"ThinSlab", [] { return testing::ThinSlab(); }, 0.02},
       {"ParallelTubes", [] { return testing::ParallelTubes(); }, 0.2},
       {"Terrain", [] { return testing::WavyTerrain(40); }, 0.1},
-      {"FarFromTheOrigin", [] { return testing::Moved(testing::Icosphere(4), {1000, 2000, -500}); }, 0.2},
+      {"FarFromTheOrigin",
+       [] {
+         return testing::Moved(testing::Icosphere(4), {1000, 2000, -500});
+       },
+       0.2},
       {"Tiny", [] { return testing::Scaled(testing::Icosphere(4), 1e-9); }, 0.2e-9},
       {"Noisy", [] { return testing::WithNoise(testing::Icosphere(4), 0.004, 7); }, 0.2, 1e-3},
   };
@@ -124,7 +128,8 @@ TEST_P(SurfaceContract, SnapsToTheClosestPointFromNearBy) {
     const SourcePoint p = RandomPoint(), start = EndOfEdge(p);
     const Vec3 target = p.position + 0.02 * edge * p.normal;
     const SourcePoint snapped = surface_->Snap(start, target);
-    EXPECT_LE(Distance(snapped.position, target), DistanceToMesh(target) + GetParam().local_minima * edge + 1e-14 * Norm(target));
+    EXPECT_LE(Distance(snapped.position, target),
+              DistanceToMesh(target) + GetParam().local_minima * edge + 1e-14 * Norm(target));
   }
 }
 
