@@ -102,7 +102,8 @@ void FenceIndex::Insert(FrontEdgeId edge) {
                            FenceHalfHeight(length, std::max(a.max_curvature, b.max_curvature))};
   s.middle = 0.5 * (a.position + b.position);
   s.half_length = 0.5 * length;
-  s.level = std::clamp((length > 0 ? std::ilogb(length) : -1074) + kLevelOffset, 0, kLevels - 1);
+  // ilogb of an infinite length is the largest int.
+  s.level = std::clamp(length > 0 ? std::min(std::ilogb(length), kLevels) + kLevelOffset : 0, 0, kLevels - 1);
   const double size = CellSize(s.level);
   s.cell = CellOf(s.level, CellCoordinate(s.middle.x, size), CellCoordinate(s.middle.y, size),
                   CellCoordinate(s.middle.z, size));
