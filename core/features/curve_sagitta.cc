@@ -43,8 +43,9 @@ class ChordSearch {
   // At most `longest`, at least the shorter edge at vertex i; `longest` at sharp vertices.
   double LongestChordAt(size_t i, double longest) const {
     const size_t n = curve_.size();
-    const double shortest = std::min(Distance(curve_[i], curve_[i + 1]), Distance(curve_[i], curve_[i + n - 1]));
-    if (sharp_[i] || !(shortest > 0)) return longest;
+    const double edge = std::min(Distance(curve_[i], curve_[i + 1]), Distance(curve_[i], curve_[i + n - 1]));
+    if (sharp_[i] || !(edge > 0)) return longest;
+    const double shortest = std::min(longest, std::max(edge, kIdealPerEdgeCircle * ideal_length_(1 / edge)));
     double chord = longest;
     for (int scale = 0; chord > shortest && scale < kMaxChordScales; ++scale, chord *= kChordScale) {
       if (StandsForCurve(i, chord)) return chord;

@@ -33,6 +33,9 @@ inline constexpr double kMinRadiusInEdges = 0.5;
 inline constexpr double kStraightShare = 0.95;
 // Chords are tried from long to short by this factor, at most so many (down to a millionth).
 inline constexpr double kChordScale = 0.8;
+// Zig-zags of a rim are followed down to its edges, but not below this many ideal lengths of a circle whose radius is the edge:
+// what a coarse angle would not resolve on the surface it need not resolve on the rim.
+inline constexpr double kIdealPerEdgeCircle = 1.6;
 inline constexpr int kMaxChordScales = 64;
 // Vertices looked at under one chord: about so many where there are more, and on one side never more than kMaxWindow, wherever
 // they crowd.

@@ -11,7 +11,7 @@
 
 namespace meshfront {
 
-// max(|κ₁|, |κ₂|) of every vertex, 1/length: finite, ≥ 0, and at most 2 / (the shorter incident edges), which is what the mesh
+// max(|κ₁|, |κ₂|) of every vertex, 1/length, raised towards the largest turn of the normals where the rings turn far: finite, ≥ 0, and at most 2 / (the shorter incident edges), which is what the mesh
 // can resolve; 0 for vertices without a face. `normals` are unit vertex normals. At a rim the fit is one-sided. Runs on the
 // context's threads, same bits at any number; its status when it is stopped. Below 1 µs a vertex and core.
 absl::StatusOr<std::vector<double>> FitMaxCurvatures(const TriangleMesh& mesh, const FaceAdjacency& adjacency,
