@@ -24,8 +24,8 @@ constexpr size_t kGrain = 512;
 // Where the rings turn this far, a ridge is narrower than they are and the fit averages it away (the rim of the bunny's ear: the fit
 // says 172, the turn to a neighbour 330). Then at least this share of the largest turn of the normal per length counts; all of
 // it, or everywhere, would follow noise.
-constexpr double kFarTurnCosine = 0.5;
-constexpr double kTurnShare = 0.6;
+constexpr double kFarTurnCosine = 0.3;
+constexpr double kTurnShare = 0.55;
 constexpr int kRings = 3;     // sec. 3.2
 constexpr int kMaxRings = 6;  // grown to while ill conditioned
 constexpr int kTerms = 6;     // x², xy, y², x, y, 1
