@@ -163,6 +163,7 @@ class AdvancingFront {
 WindowVertexId AdvancingFront::NewVertex(const SourcePoint& source, uint32_t origin) {
   const WindowVertexId v = fronts_.AddVertex(source, field_.At(source.position), surface_.MaxCurvatureAt(source));
   fronts_.at(v).origin = origin;
+  fronts_.at(v).refined = field_.IsRefinedAt(source.position);
   return v;
 }
 
@@ -305,7 +306,12 @@ bool AdvancingFront::TryFree(FrontEdgeId edge) {
   if (proposer_.ProposeFree(edge, proposal) != Verdict::kAccepted) return false;
   const WindowVertexId apex = NewVertex(proposal.apex, fronts_.at(fronts_.From(edge)).origin);
   Farewell(edge);
-  AfterStep(fronts_.Grow(edge, apex));
+  // Where lengths from before and after a refinement meet, or the base limits the sides, eta is not promised.
+  const bool refined =
+      fronts_.at(fronts_.From(edge)).refined || fronts_.at(fronts_.To(edge)).refined || fronts_.at(apex).refined;
+  const FrontSet::Step step = fronts_.Grow(edge, apex);
+  if (refined || !proposal.at_guidance) fronts_.at(step.triangle).kind = TriangleKind::kClosing;
+  AfterStep(step);
   return true;
 }
 
@@ -518,6 +524,7 @@ bool AdvancingFront::RollBack(std::vector<WindowVertexId> around, int rings) {
     WindowVertex& from = fronts_.at(fronts_.From(e));
     from.position = from.source.position;  // fronts stand on the surface
     from.length = field_.At(from.position);
+    from.refined = field_.IsRefinedAt(from.position);
   }
   for (const FrontEdgeId e : made) {
     StateOf(e) = {};

@@ -24,6 +24,8 @@ class LocalField {
     cones_.push_back({place, length * field_->eta()});
     reaches_.push_back(reach);
   }
+  // Whether a refinement is what decides at x.
+  bool IsRefinedAt(const Vec3& x) const { return !cones_.empty() && At(x) < field_->At(x); }
   // How many refinements have `place` in their surroundings.
   size_t RefinementsNear(const Vec3& place) const {
     size_t count = 0;

@@ -72,6 +72,7 @@ Verdict Proposer::ProposeFree(FrontEdgeId edge, FreeProposal& proposal) {
   const double step = 0.5 * (radius_a + radius_b);
   Gather(apex->position, 1.05 * std::max(radius_a, radius_b));
   proposal.apex = *apex;
+  proposal.at_guidance = radius_a == a.length && radius_b == b.length;
   return Judge(CheckFree(edge, *apex, step));
 }
 

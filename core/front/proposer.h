@@ -45,6 +45,7 @@ inline constexpr std::array<Strictness, 4> kStrictness = {{{"strict", 0.5, 0.2, 
 
 struct FreeProposal {
   SourcePoint apex;
+  bool at_guidance = true;  // its sides have the lengths that the field asks for; false where the base limits them
 };
 struct ConnectionProposal {
   FrontEdgeId corner;
