@@ -26,7 +26,7 @@ constexpr double kMinFlipGain = 1.02;         // the smaller sine must grow by t
 constexpr double kMinMoveNormalCosine = 0.3;
 constexpr double kSearchBelow = 0.85;                // radius ratio under which a vertex is worth a search
 constexpr double kSearchSteps[] = {0.2, 0.1, 0.05};  // in parts of the mean spoke
-constexpr int kImproveSweeps = 2, kSearchSweeps = 2, kFitSweeps = 2;
+constexpr int kImproveSweeps = 2, kSearchSweeps = 4, kFitSweeps = 2;
 constexpr double kMaxFitPerLength = 0.15;  // the fit moves a vertex by at most this part of its mean spoke
 constexpr double kFitPerErrorBound = 0.9;  // … and at most this part of the error bound of the triangles around it
 constexpr double kFitMayLoseQuality = 0.97;
