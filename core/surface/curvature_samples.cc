@@ -18,10 +18,14 @@ constexpr size_t kCheckEvery = 4096;
 constexpr double kThicknessOfLength = 0.75;
 constexpr double kThicknessOfDiagonal = 0.1;
 
-// How many equal pieces an edge is cut into so that each is at most the ideal length.
+// Samples lie at most this many ideal lengths apart. Halfway between two of them g has risen by (η − 1) of what it is at both:
+// at 1 the samples of a fine remesh outnumber the vertices (igea at rho 0.05: 100 MB) and change nothing that the input says.
+constexpr double kSpacing = 2.0;
+
+// How many equal pieces an edge is cut into so that each is at most kSpacing ideal lengths.
 int Pieces(double length, double ideal_length) {
   if (!(ideal_length > 0)) return kMaxPerEdge + 1;
-  return static_cast<int>(std::clamp(std::ceil(length / ideal_length), 1.0, kMaxPerEdge + 1.0));
+  return static_cast<int>(std::clamp(std::ceil(length / (kSpacing * ideal_length)), 1.0, kMaxPerEdge + 1.0));
 }
 
 // Adds what lies between a mesh's vertices, up to a limit.

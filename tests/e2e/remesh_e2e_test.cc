@@ -1,4 +1,5 @@
 // Jobs over a socket: what a caller gets, and what it does to the server when it misbehaves.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <unistd.h>
@@ -13,6 +14,7 @@
 namespace meshfront {
 namespace {
 
+using ::testing::HasSubstr;
 using testing::Icosphere;
 
 // A sphere as fine as `rho` says. Coarse: some thousand triangles; fine: 10 MB of chunks, more than all buffers
@@ -98,12 +100,22 @@ TEST(RemeshOverSocket, StopsTheWorkWhenTheCallerCancelsInTheMiddle) {
 TEST(RemeshOverSocket, StopsTheWorkAtTheDeadline) {
   ServerProcess server({"--workers", "1"});
   const auto stub = server.NewStub();
+  {
+    grpc::ClientContext connecting;  // so that the deadline below falls into the work, not into the connection
+    ASSERT_TRUE(Remesh(*stub, connecting, SphereRequest(kCoarse)).status.ok());
+    ASSERT_TRUE(server.ReadLineWith("\"code\":\"OK\""));
+  }
   grpc::ClientContext context;
-  context.set_deadline(std::chrono::system_clock::now() + std::chrono::milliseconds(150));
+  context.set_deadline(std::chrono::system_clock::now() + std::chrono::milliseconds(500));
   const Outcome outcome = Remesh(*stub, context, SphereRequest(0.002));
   EXPECT_EQ(outcome.status.error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
   EXPECT_FALSE(outcome.summary.has_value());
-  EXPECT_TRUE(server.ReadLineWith("DEADLINE_EXCEEDED"));
+  // The server's clock for the call starts when the headers come, so that on a busy machine the client's reset may be there
+  // first: then it is a cancellation.
+  const std::optional<std::string> ended = server.ReadLineWith("\"code\":\"");
+  ASSERT_TRUE(ended);
+  EXPECT_THAT(*ended, ::testing::AnyOf(HasSubstr("DEADLINE_EXCEEDED"), HasSubstr("CANCELLED")));
+  // Either way the one worker is free: the job above would have kept it for minutes.
   grpc::ClientContext next;
   EXPECT_TRUE(Remesh(*stub, next, SphereRequest(kCoarse)).status.ok());
 }
