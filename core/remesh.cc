@@ -51,6 +51,13 @@ int ThreadsInForce(const Context& context) {
   return context.threads > 0 ? context.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 }
 
+Vec3 LongestAxis(const TriangleMesh& mesh) {
+  const Box3 box = BoundingBox(mesh);
+  const Vec3 extent = box.max - box.min;
+  if (extent.x >= extent.y && extent.x >= extent.z) return {1, 0, 0};
+  return extent.y >= extent.z ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
+}
+
 // Topology of the output from the counts that the front kept: V − E + F with E = (3F + rim) / 2.
 TopologyReport OutputTopology(const FrontReport& front) {
   TopologyReport t;
@@ -106,8 +113,12 @@ absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& co
   OutgoingSink outgoing(sink, p.scale, start);
   const RemeshOptions& o = p.parameters.options;
   const double error_per_length = o.sizing == Sizing::kAngle ? ErrorPerLength(o.rho) : 1;
-  const FrontOptions options{o.flips, o.smooth, o.fit, error_per_length,
-                             static_cast<uint64_t>(std::min(p.predicted_triangles, 1e18))};
+  const FrontOptions options{o.flips,
+                             o.smooth,
+                             o.fit,
+                             error_per_length,
+                             static_cast<uint64_t>(std::min(p.predicted_triangles, 1e18)),
+                             LongestAxis(p.surface->mesh())};
   MESHFRONT_ASSIGN_OR_RETURN(const FrontReport front,
                              AdvanceFront(*p.surface, *p.field, p.loops, p.seeds, options, outgoing, context));
   Report report;

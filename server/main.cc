@@ -1,3 +1,7 @@
+#include "core/base/allocation.h"
 #include "server/serve_main.h"
 
-int main(int argc, char** argv) { return meshfront::ServeMain(argc, argv); }
+int main(int argc, char** argv) {
+  meshfront::ReturnLargeArraysToTheSystem();
+  return meshfront::ServeMain(argc, argv);
+}

@@ -7,11 +7,11 @@
 //     emit it, and let the fronts grow, close, split or merge         (FrontSet)
 //   between areas: what lies well behind the fronts is improved, audited and sent       (SettlingWindow)
 //
-// "Every free triangle before any connection" holds inside a working area, a ball of ten edge lengths; areas follow each other in
-// the order of their edges' length, octave by octave from the finest, and of birth within an octave: fine regions are closed
-// before the front has to wind around them (igea at rho 0.2: at most 1822 front edges; by birth alone 2670, by the length
-// travelled 4464). Over the whole surface the rule would keep every vertex on a front until half of the
-// triangles exist, and nothing could settle (rejected).
+// "Every free triangle before any connection" holds inside a working area, a ball of ten edge lengths. Areas sweep over the surface
+// along its longest axis, and open at the finest edges in reach: the fronts are then about as long as a section through the surface,
+// and fine regions are closed before a front has to wind around them (front edges at most, igea at rho 0.05: 5985; by the sweep
+// alone 10464; by the finest octave of the whole surface, then by birth, 11355). Taken literally over the whole
+// surface the rule would keep every vertex on a front until half of the triangles exist, and nothing could settle (rejected).
 //
 // Edges without an acceptable triangle wait until everything else is done, then the ladder: the tests relaxed in named stages,
 // the loop closed by a minimum-weight triangulation, the place taken back and advanced again at finer steps, the loop closed by
@@ -41,6 +41,8 @@ namespace {
 
 using namespace front_tolerances;
 
+constexpr double kCoarsestPerFinest =
+    0.5;  // an area opens at an edge that no edge in its reach is shorter than by this factor
 constexpr int kStepsBetweenChecks = 64;    // of the stop flag and the clock: well under a millisecond
 constexpr size_t kMinSettleBatch = 3000;   // triangles, before the window is worth a sweep
 constexpr int kMaxLoopToTriangulate = 64;  // edges; the triangulation is cubic
@@ -57,13 +59,13 @@ struct EdgeRef {
   uint32_t generation;
 };
 
-// An edge outside the working area: the one of the finest octave comes next, the elder of equals.
+// An edge outside the working area: the one that lies lowest along the sweep comes next, the elder of equals.
 struct WaitingEdge {
-  int octave;  // ⌊log2 length⌋
+  double height;
   uint32_t order;
   EdgeRef ref;
   bool operator<(const WaitingEdge& other) const {
-    return octave != other.octave ? octave > other.octave : order > other.order;
+    return height != other.height ? height > other.height : order > other.order;
   }
 };
 
@@ -102,6 +104,7 @@ class AdvancingFront {
   void Schedule(FrontEdgeId edge, AgendaStage stage, double ratio);
   void Farewell(FrontEdgeId edge);  // before it is consumed
   void Revive(FrontEdgeId edge);    // its surroundings changed
+  FrontEdgeId FinestAround(FrontEdgeId edge);
   bool OpenArea();
   bool InArea(FrontEdgeId edge) const;
   absl::Status AdvanceArea();
@@ -218,9 +221,8 @@ void AdvancingFront::Schedule(FrontEdgeId edge, AgendaStage stage, double ratio)
 }
 
 void AdvancingFront::Wait(const EdgeRef& ref) {
-  const double length =
-      Distance(fronts_.at(fronts_.From(ref.edge)).position, fronts_.at(fronts_.To(ref.edge)).position);
-  waiting_.push({std::ilogb(length), waits_++, ref});
+  const Vec3 both = fronts_.at(fronts_.From(ref.edge)).position + fronts_.at(fronts_.To(ref.edge)).position;
+  waiting_.push({Dot(both, options_.sweep), waits_++, ref});
 }
 
 void AdvancingFront::Welcome(FrontEdgeId edge) {
@@ -246,15 +248,38 @@ void AdvancingFront::Revive(FrontEdgeId edge) {
   Schedule(edge, AgendaStage::kSearch, 0);
 }
 
+// The edge around which the working area opens: `edge`, or where its area would hold much finer ones, the finest of those. A ball
+// of ten coarse edges that held a fine region would bring all of it onto the fronts at once.
+FrontEdgeId AdvancingFront::FinestAround(FrontEdgeId edge) {
+  for (double length = fences_.at(edge).Length();;) {
+    const Fence& f = fences_.at(edge);
+    const Vec3 middle = 0.5 * (f.start + f.end);
+    const double reach = kAreaRadius * length;
+    scratch_.clear();
+    fences_.Query(middle, reach, scratch_);
+    double finest = kCoarsestPerFinest * length;
+    for (const FrontEdgeId e : scratch_) {
+      const Fence& g = fences_.at(e);
+      const EdgeState& state = StateOf(e);
+      if (state.abandoned || state.stuck || !(g.Length() < finest)) continue;
+      if (SquaredDistance(0.5 * (g.start + g.end), middle) <= reach * reach) finest = g.Length(), edge = e;
+    }
+    if (!(finest < kCoarsestPerFinest * length)) return edge;
+    length = finest;
+  }
+}
+
 // The working area moves to the first of the waiting edges, and takes in every edge around it.
 bool AdvancingFront::OpenArea() {
   while (!waiting_.empty()) {
     const EdgeRef ref = waiting_.top().ref;
     waiting_.pop();
     if (!fronts_.IsAlive(ref.edge, ref.generation) || StateOf(ref.edge).abandoned || StateOf(ref.edge).stuck) continue;
-    const Fence& f = fences_.at(ref.edge);
+    const FrontEdgeId finest = FinestAround(ref.edge);
+    const Fence& f = fences_.at(finest);
     area_center_ = 0.5 * (f.start + f.end);
-    area_radius_ = kAreaRadius * Distance(f.start, f.end);
+    area_radius_ = kAreaRadius * f.Length();
+    if (finest != ref.edge && !InArea(ref.edge)) Wait(ref);
     scratch_.clear();
     fences_.Query(area_center_, area_radius_, scratch_);
     for (const FrontEdgeId e : scratch_) {

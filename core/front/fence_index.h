@@ -17,6 +17,8 @@ struct Fence {
   Vec3 start, end;
   Vec3 normal;         // mean of the surface normals at the ends, unit length
   double half_height;  // h
+
+  double Length() const { return Distance(start, end); }
 };
 
 // A segment that is about to become an edge.

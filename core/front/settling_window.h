@@ -49,7 +49,7 @@ class SettlingWindow {
   void MeasureDepth();
 
   static constexpr uint32_t kMoveDepth = 3;
-  static constexpr uint32_t kEmitDepth = 6;
+  static constexpr uint32_t kEmitDepth = 5;
 
  private:
   bool IsMovable(const WindowVertex& v) const;

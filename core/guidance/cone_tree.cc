@@ -50,12 +50,32 @@ size_t SplitAtMedian(absl::Span<Item> items) {
 
 }  // namespace
 
-ConeTree::ConeTree(absl::Span<const Cone> cones, double slope, int leaf_size)
+ConeTree::ConeTree(std::vector<Cone> cones, double slope, int leaf_size)
     : slope_(slope), leaf_size_(leaf_size), slots_(cones.size()) {
   if (cones.empty()) return;
   std::vector<Item> items(cones.size());
   for (uint32_t i = 0; i < cones.size(); ++i) items[i] = {cones[i].position, cones[i].apex, i};
+  cones = std::vector<Cone>();
+  size_t nodes = 0, blocks = 0;
+  CountFor(items.size(), nodes, blocks);
+  nodes_.reserve(nodes), parents_.reserve(nodes);
+  blocks_.reserve(blocks), leaf_of_.reserve(blocks);
   Build(absl::MakeSpan(items), {});
+}
+
+// Adds how many nodes and blocks Build makes of so many items: it splits by count alone.
+void ConeTree::CountFor(size_t items, size_t& nodes, size_t& blocks) const {
+  ++nodes;
+  const size_t half = items > leaf_size_ ? items / 2 : items;
+  for (const size_t part : {half, items - half}) {
+    const size_t quarter = part > leaf_size_ ? part / 2 : part;
+    for (const size_t child : {quarter, part - quarter}) {
+      if (child > leaf_size_)
+        CountFor(child, nodes, blocks);
+      else
+        blocks += (child + kLanes - 1) / kLanes;
+    }
+  }
 }
 
 // Makes the node of these items and all below it. Halves twice, except halves that are leaves already.

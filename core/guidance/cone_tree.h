@@ -21,8 +21,8 @@ struct Cone {
 // Activate must not run beside them.
 class ConeTree {
  public:
-  // `leaf_size` in [4, 256]. O(n log n).
-  ConeTree(absl::Span<const Cone> cones, double slope, int leaf_size);
+  // `leaf_size` in [4, 256]. O(n log n). The cones are taken over, so that they are gone before the tree stands.
+  ConeTree(std::vector<Cone> cones, double slope, int leaf_size);
 
   // The minimum of the cones at x if that is below `limit`, else any value ≥ limit (+infinity mostly).
   double MinAt(const Vec3& x, double limit) const;
@@ -61,6 +61,7 @@ class ConeTree {
     uint32_t cone;
   };
 
+  void CountFor(size_t items, size_t& nodes, size_t& blocks) const;
   uint32_t Build(absl::Span<Item> items, const Place& place);
   void Attach(const Place& place, absl::Span<Item> items);
   uint32_t MakeLeaf(absl::Span<const Item> items, const Place& place);

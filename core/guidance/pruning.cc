@@ -58,7 +58,7 @@ class Pruner {
   absl::Status KeepUndominated(const Context& context) {
     std::vector<Cone> cones(samples_.size());
     for (size_t i = 0; i < samples_.size(); ++i) cones[i] = {samples_[i].position, kInfinity};
-    ConeTree tree(cones, slope_, kLeafSize);
+    ConeTree tree(std::move(cones), slope_, kLeafSize);
     size_t kept = 0;
     for (uint32_t i = 0; i < samples_.size(); ++i) {
       if (i % kStopInterval == 0) MESHFRONT_RETURN_IF_ERROR(context.CheckStop());

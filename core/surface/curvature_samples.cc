@@ -18,9 +18,9 @@ constexpr size_t kCheckEvery = 4096;
 constexpr double kThicknessOfLength = 0.75;
 constexpr double kThicknessOfDiagonal = 0.1;
 
-// Samples lie at most this many ideal lengths apart. Halfway between two of them g has risen by (η − 1) of what it is at both:
-// at 1 the samples of a fine remesh outnumber the vertices (igea at rho 0.05: 100 MB) and change nothing that the input says.
-constexpr double kSpacing = 2.0;
+// Samples lie at most this many ideal lengths apart. Halfway between two of them g has risen by 1.5 (η − 1) of what it is at
+// both. At 1 the samples of a fine remesh outnumber the vertices (igea at rho 0.05: 100 MB) and say nothing that the input does not.
+constexpr double kSpacing = 3.0;
 
 // How many equal pieces an edge is cut into so that each is at most kSpacing ideal lengths.
 int Pieces(double length, double ideal_length) {
