@@ -43,11 +43,14 @@ using namespace front_tolerances;
 
 constexpr double kCoarsestPerFinest =
     0.5;  // an area opens at an edge that no edge in its reach is shorter than by this factor
+constexpr double kGoodEar =
+    0.45;  // pseudo-angle (ClockwiseTurn) of 39°: an edge whose ear is this good is not searched at once
 constexpr int kStepsBetweenChecks = 64;    // of the stop flag and the clock: well under a millisecond
 constexpr size_t kMinSettleBatch = 3000;   // triangles, before the window is worth a sweep
 constexpr int kMaxLoopToTriangulate = 64;  // edges; the triangulation is cubic
 constexpr double kRollBackLength = 0.7;    // of g, where the front has to advance again
-constexpr size_t kMaxRollBacksAtAPlace = 3;
+constexpr size_t kMaxRollBacksAtAPlace = 5;
+constexpr size_t kMaxRollBacksForShape = 3;  // the same for slivers
 constexpr size_t kMaxRollBacks = 500;
 constexpr int kRollBackRings = 2;
 constexpr double kRollBackReach = 4.0;         // edge lengths around a place that count as the same place
@@ -90,8 +93,10 @@ class AdvancingFront {
     bool in_area = false;
     bool stuck = false;      // no acceptable triangle at the present strictness
     bool abandoned = false;  // reported as an open place
+    bool outdated = false;   // the corner was found before a neighbour changed, or by its ears alone
     FrontEdgeId corner;      // the connection found
     uint32_t corner_generation = 0;
+    float score = -1;  // of that connection
   };
 
   WindowVertexId NewVertex(const SourcePoint& source, uint32_t origin);
@@ -112,6 +117,8 @@ class AdvancingFront {
   bool TryFree(FrontEdgeId edge);
   void SearchConnection(FrontEdgeId edge);
   void MakeConnection(FrontEdgeId edge);
+  void PlanConnection(FrontEdgeId edge, const ConnectionProposal& proposal, bool outdated);
+  void Strand(FrontEdgeId edge);
   void Connect(FrontEdgeId edge, FrontEdgeId corner, TriangleKind kind);
   void AfterStep(const FrontSet::Step& step);
 
@@ -120,6 +127,7 @@ class AdvancingFront {
   std::vector<FrontEdgeId> LoopOf(FrontEdgeId edge) const;
   bool CloseLoop(const std::vector<FrontEdgeId>& loop, const Strictness& strictness);
   bool RollBackLoop(const std::vector<FrontEdgeId>& loop);
+  bool TakeBack(WindowTriangleId t, size_t limit);
   bool RollBack(std::vector<WindowVertexId> around, int rings);
   void SeedAgain(const SourcePoint& seed, uint32_t label);
   void Abandon(const std::vector<FrontEdgeId>& loop);
@@ -241,11 +249,19 @@ void AdvancingFront::Farewell(FrontEdgeId edge) {
   agenda_.Cancel(edge);
 }
 
+// A neighbour changed. What the edge had planned is looked at again when its turn comes; only the ear with the new neighbour can
+// bring that turn forward.
 void AdvancingFront::Revive(FrontEdgeId edge) {
   EdgeState& state = StateOf(edge);
   if (!state.in_area || state.stage == AgendaStage::kFree) return;
-  state.stuck = false;
-  Schedule(edge, AgendaStage::kSearch, 0);
+  if (state.stuck || state.stage == AgendaStage::kSearch) {
+    state.stuck = false;
+    Schedule(edge, AgendaStage::kSearch, 0);
+    return;
+  }
+  state.outdated = true;
+  const ConnectionProposal ear = proposer_.ProposeEar(edge, kStrictness[strictness_]);
+  if (ear.score > state.score) PlanConnection(edge, ear, true);
 }
 
 // The edge around which the working area opens: `edge`, or where its area would hold much finer ones, the finest of those. A ball
@@ -340,27 +356,44 @@ bool AdvancingFront::TryFree(FrontEdgeId edge) {
   return true;
 }
 
-void AdvancingFront::SearchConnection(FrontEdgeId edge) {
-  ConnectionProposal proposal;
+void AdvancingFront::PlanConnection(FrontEdgeId edge, const ConnectionProposal& proposal, bool outdated) {
   EdgeState& state = StateOf(edge);
-  if (proposer_.ProposeConnection(edge, kStrictness[strictness_], proposal) == Verdict::kAccepted) {
-    state.corner = proposal.corner;
-    state.corner_generation = fronts_.at(proposal.corner).generation;
-    Schedule(edge, AgendaStage::kConnect, proposal.score);
-  } else {
-    state.stuck = true;
-    stuck_.push_back({edge, fronts_.at(edge).generation});
-  }
+  state.corner = proposal.corner;
+  state.corner_generation = fronts_.at(proposal.corner).generation;
+  state.score = static_cast<float>(proposal.score);
+  state.outdated = outdated;
+  Schedule(edge, AgendaStage::kConnect, proposal.score);
+}
+
+void AdvancingFront::Strand(FrontEdgeId edge) {
+  StateOf(edge).stuck = true;
+  stuck_.push_back({edge, fronts_.at(edge).generation});
+}
+
+// An edge with a good ear needs no search yet: most of them are taken by a neighbour's connection before their turn comes.
+void AdvancingFront::SearchConnection(FrontEdgeId edge) {
+  const ConnectionProposal ear = proposer_.ProposeEar(edge, kStrictness[0]);
+  if (strictness_ == 0 && ear.score >= kGoodEar) return PlanConnection(edge, ear, true);
+  ConnectionProposal proposal;
+  if (proposer_.ProposeConnection(edge, kStrictness[strictness_], proposal) == Verdict::kAccepted)
+    PlanConnection(edge, proposal, false);
+  else
+    Strand(edge);
 }
 
 void AdvancingFront::MakeConnection(FrontEdgeId edge) {
   const EdgeState state = StateOf(edge);
-  if (fronts_.IsAlive(state.corner, state.corner_generation) &&
-      proposer_.CheckConnection(edge, state.corner, kStrictness[strictness_]) == Verdict::kAccepted) {
-    Connect(edge, state.corner, TriangleKind::kConnection);
-  } else {
-    Schedule(edge, AgendaStage::kSearch, 0);
+  const Strictness& strictness = kStrictness[strictness_];
+  if (!state.outdated && fronts_.IsAlive(state.corner, state.corner_generation) &&
+      proposer_.CheckConnection(edge, state.corner, strictness) == Verdict::kAccepted) {
+    return Connect(edge, state.corner, TriangleKind::kConnection);
   }
+  ConnectionProposal proposal;
+  if (proposer_.ProposeConnection(edge, strictness, proposal) != Verdict::kAccepted) return Strand(edge);
+  if (static_cast<float>(proposal.score) >= state.score)
+    Connect(edge, proposal.corner, TriangleKind::kConnection);
+  else
+    PlanConnection(edge, proposal, false);
 }
 
 void AdvancingFront::Connect(FrontEdgeId edge, FrontEdgeId corner, TriangleKind kind) {
@@ -418,7 +451,8 @@ bool AdvancingFront::RescueStuck() {
   for (const EdgeRef& r : stuck) {
     if (!fronts_.IsAlive(r.edge, r.generation) || StateOf(r.edge).abandoned || !StateOf(r.edge).stuck) continue;
     const std::vector<FrontEdgeId> loop = LoopOf(r.edge);
-    if (CloseLoop(loop, kStrictness[2]) || RollBackLoop(loop) || CloseLoop(loop, kStrictness[3])) {
+    if (CloseLoop(loop, kStrictness[2]) || RollBackLoop(loop) || CloseLoop(loop, kStrictness[3]) ||
+        CloseLoop(loop, kRegardlessOfNormals)) {
       ++steps_;
     } else {
       Abandon(loop);
@@ -548,6 +582,7 @@ bool AdvancingFront::RollBack(std::vector<WindowVertexId> around, int rings) {
   for (const FrontEdgeId e : made) {
     WindowVertex& from = fronts_.at(fronts_.From(e));
     from.position = from.source.position;  // fronts stand on the surface
+    from.improved = false;
     from.length = field_.At(from.position);
     from.refined = field_.IsRefinedAt(from.position);
   }
@@ -603,28 +638,36 @@ void AdvancingFront::ReportProgress() {
   context_.Report({Stage::kMesh, options_.predicted_triangles, window_.counts().triangles, fronts_.front_edge_count()});
 }
 
+// Takes back a triangle and what is around it, to advance there again with shorter edges; at most so often at a place.
+bool AdvancingFront::TakeBack(WindowTriangleId t, size_t limit) {
+  const auto& corners = fronts_.at(t).corners;
+  const WindowVertex& v = fronts_.at(corners[0]);
+  const size_t before = field_.RefinementsNear(v.position);
+  if (before >= limit || roll_backs_ >= kMaxRollBacks) return false;
+  field_.Refine(v.position, kRollBackLength * field_.At(v.position), kRollBackReach * v.length);
+  return RollBack({corners.begin(), corners.end()}, 1 + static_cast<int>(before));
+}
+
 absl::Status AdvancingFront::Settle(bool everything) {
   const std::vector<WindowTriangleId> faulty = window_.Improve(context_);
   bool taken_back = false;
   for (const WindowTriangleId t : faulty) {
     if (!fronts_.at(t).alive) continue;
-    std::vector<WindowVertexId> corners(fronts_.at(t).corners.begin(), fronts_.at(t).corners.end());
-    const WindowVertex& v = fronts_.at(corners[0]);
-    const Vec3 place = v.position;
-    const double length = v.length;
-    if (surface_.MeetsItselfNear(place, kOwnIntersectionReach * length)) {
+    const WindowVertex& v = fronts_.at(fronts_.at(t).corners[0]);
+    if (surface_.MeetsItselfNear(v.position, kOwnIntersectionReach * v.length)) {
       window_.Excuse(t);
-      continue;
+    } else if (TakeBack(t, kMaxRollBacksAtAPlace)) {
+      taken_back = true;
+    } else {
+      window_.GiveUp(t);
     }
-    const size_t before = field_.RefinementsNear(place);
-    if (before < kMaxRollBacksAtAPlace && roll_backs_ < kMaxRollBacks) {
-      field_.Refine(place, kRollBackLength * field_.At(place), kRollBackReach * length);
-      if (RollBack(corners, 1 + static_cast<int>(before))) {
-        taken_back = true;
-        continue;
-      }
-    }
-    window_.GiveUp(t);
+  }
+  for (const WindowTriangleId t : window_.slivers()) {
+    if (!fronts_.at(t).alive) continue;
+    if (TakeBack(t, kMaxRollBacksForShape))
+      taken_back = true;
+    else
+      window_.Excuse(t);
   }
   if (taken_back && everything) return absl::OkStatus();  // the caller advances and settles again
   if (taken_back) window_.MeasureDepth();                 // fronts are back where none was

@@ -53,6 +53,7 @@ struct WindowVertex {
   uint32_t triangles = 0;        // unsettled ones that use it
   uint32_t origin = 0;           // which loop or seed its front came from (counts the components)
   uint32_t depth = 0;            // scratch of the settling window: rings between it and the nearest front
+  bool improved = false;         // the settling window has had its turn with it
   bool refined = false;          // its length comes from a refinement of the closing ladder
   bool on_rim = false;           // lies on an initial front: keeps its place
   bool alive = false;

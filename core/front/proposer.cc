@@ -22,7 +22,8 @@ using namespace front_tolerances;
 
 constexpr double kFreeMinNormalCosine = 0.5;
 constexpr double kMinRadiusPerBase = 0.7,
-                 kMaxRadiusPerBase = 1.6;             // free sides against a base that is too long or too short
+                 kMaxRadiusPerBase = 1.6;  // free sides against a base that is too long or too short
+constexpr double kFarTooClose = 0.85;      // of the clearance: what curvature may add to a distance in the plane
 constexpr double kSixtyDegrees = 0.6339745962155614;  // ClockwiseTurn of 60°
 constexpr double kSameSheetResidual = 1e-3;           // in parts of the side: a descent that arrives is exact
 
@@ -67,6 +68,7 @@ Verdict Proposer::ProposeFree(FrontEdgeId edge, FreeProposal& proposal) {
   const double base = Distance(a.position, b.position);
   const double radius_a = std::clamp(a.length, kMinRadiusPerBase * base, kMaxRadiusPerBase * base);
   const double radius_b = std::clamp(b.length, kMinRadiusPerBase * base, kMaxRadiusPerBase * base);
+  if (const Verdict v = CheckNeighbours(edge, radius_a, radius_b); v != Verdict::kAccepted) return Judge(v);
   const std::optional<SourcePoint> apex = surface_.FindApex(a.source, b.source, radius_a, radius_b);
   if (!apex) return Judge(Verdict::kNoApex);
   const double step = 0.5 * (radius_a + radius_b);
@@ -74,6 +76,30 @@ Verdict Proposer::ProposeFree(FrontEdgeId edge, FreeProposal& proposal) {
   proposal.apex = *apex;
   proposal.at_guidance = radius_a == a.length && radius_b == b.length;
   return Judge(CheckFree(edge, *apex, step));
+}
+
+// Refuses what the fences before and after the edge would refuse by far: seen in the plane of the edge and its normal, which spares
+// most of the vain placements.
+//
+//        P        the apex of e stands within the clearance of P–a, or behind it, when the corner at a is
+//         \\       below 90° or so
+//      x   a --e--> b
+Verdict Proposer::CheckNeighbours(FrontEdgeId edge, double radius_a, double radius_b) const {
+  const WindowVertex &a = fronts_.at(fronts_.From(edge)), &b = fronts_.at(fronts_.To(edge));
+  const Vec3 along = b.position - a.position;
+  const double base2 = SquaredNorm(along);
+  const Vec3 normal = Normalized(a.source.normal + b.source.normal);
+  const double x = (radius_a * radius_a - radius_b * radius_b + base2) / (2 * base2);
+  const double y2 = radius_a * radius_a / base2 - x * x;
+  if (!(y2 > 0)) return Verdict::kAccepted;
+  const Vec3 apex = a.position + x * along + std::sqrt(y2) * Cross(along, normal);
+  const double clearance = kFarTooClose * kFreeClearance * 0.5 * (radius_a + radius_b);
+  for (const FrontEdgeId neighbour : {fronts_.at(edge).prev, fronts_.at(edge).next}) {
+    const Fence& f = fences_.at(neighbour);
+    if (!(DistanceToFence(apex, normal, f) < clearance)) continue;
+    return Dot(normal, Cross(f.end - f.start, apex - f.start)) > 0 ? Verdict::kOutsideSector : Verdict::kTooClose;
+  }
+  return Verdict::kAccepted;
 }
 
 Verdict Proposer::CheckFree(FrontEdgeId edge, const SourcePoint& apex, double step) const {
@@ -254,6 +280,19 @@ double Proposer::SearchRadius(FrontEdgeId edge, const Strictness& s) const {
   const WindowVertex &a = fronts_.at(fronts_.From(edge)), &b = fronts_.at(fronts_.To(edge));
   const double length = std::max({Distance(a.position, b.position), a.length, b.length});
   return s.range * kSearchRange * length;
+}
+
+ConnectionProposal Proposer::ProposeEar(FrontEdgeId edge, const Strictness& strictness) const {
+  ConnectionProposal proposal;
+  const FrontEdge& e = fronts_.at(edge);
+  for (const FrontEdgeId corner : {e.prev, fronts_.at(e.next).next}) {
+    Candidate c;
+    Describe(edge, corner, c);
+    if (c.ic == c.ia || c.ic == c.ib || c.optimistic <= proposal.score) continue;
+    if (CheckShape(c, strictness) != Verdict::kAccepted || CheckSectors(c) != Verdict::kAccepted) continue;
+    if (c.score > proposal.score) proposal = {corner, c.score};
+  }
+  return proposal;
 }
 
 Verdict Proposer::CheckConnection(FrontEdgeId edge, FrontEdgeId corner, const Strictness& strictness) {

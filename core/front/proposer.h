@@ -42,6 +42,8 @@ inline constexpr std::array<Strictness, 4> kStrictness = {{{"strict", 0.5, 0.2, 
                                                            {"wide", 0.35, 0.1, 1.7, 1.8, 0.45},
                                                            {"tolerant", 0.15, 0.02, 2.0, 2.0, 0.6},
                                                            {"any", -0.2, 0.0, 3.0, 4.0, 1.0}}};
+// For closing a loop along a knife's edge, where the surface's normals contradict each other: the least area, whatever they say.
+inline constexpr Strictness kRegardlessOfNormals = {"regardless", -1.0, 0.0, 3.0, 4.0, 1.0};
 
 struct FreeProposal {
   SourcePoint apex;
@@ -61,6 +63,9 @@ class Proposer {
   // Radius ratio of the free triangle that `edge` would make, from lengths alone; 0 when there is none.
   double FreeRatio(FrontEdgeId edge) const;
   Verdict ProposeFree(FrontEdgeId edge, FreeProposal& proposal);
+  // The better of the two connections with a neighbour on the loop, by shape and sectors alone: no fence is tested. Its score is a
+  // lower bound of what ProposeConnection finds, unless a fence stands in the way. No corner when neither will do.
+  ConnectionProposal ProposeEar(FrontEdgeId edge, const Strictness& strictness) const;
   // The best connection by score; kAccepted or the verdict of the last candidate refused.
   Verdict ProposeConnection(FrontEdgeId edge, const Strictness& strictness, ConnectionProposal& proposal);
   Verdict CheckConnection(FrontEdgeId edge, FrontEdgeId corner, const Strictness& strictness);
@@ -74,6 +79,7 @@ class Proposer {
   struct Candidate;
   void Gather(const Vec3& center, double radius);
   Verdict Judge(Verdict verdict);
+  Verdict CheckNeighbours(FrontEdgeId edge, double radius_a, double radius_b) const;
   Verdict CheckFree(FrontEdgeId edge, const SourcePoint& apex, double step) const;
   void Describe(FrontEdgeId edge, FrontEdgeId corner, Candidate& candidate) const;
   Verdict CheckShape(const Candidate& c, const Strictness& strictness) const;

@@ -5,6 +5,7 @@
 //   SearchSweep  pattern search on the worst radius ratio around a vertex, where it is poor
 //   FitSweep     each vertex along its normal, by least squares of the signed deviations around it
 //   Audit        pairs of triangles that intersect are sent back to the front
+// Each vertex has its turn when it has come to lie far enough behind the fronts, together with the ring around it.
 // Rejected: improving the whole mesh after the last triangle, which would hold the output and stream nothing; the window shows
 // the same gain, because every operation reaches one ring only.
 #include "core/front/settling_window.h"
@@ -30,6 +31,7 @@ constexpr int kImproveSweeps = 2, kSearchSweeps = 4, kFitSweeps = 2;
 constexpr double kMaxFitPerLength = 0.15;  // the fit moves a vertex by at most this part of its mean spoke
 constexpr double kFitPerErrorBound = 0.9;  // … and at most this part of the error bound of the triangles around it
 constexpr double kFitMayLoseQuality = 0.97;
+constexpr double kSliver = 0.25;  // radius ratio below which a triangle is worth another try of the front
 
 // Sine of the smallest angle: twice the area over the product of the two longest sides.
 double MinSine(const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -63,14 +65,39 @@ void SettlingWindow::MeasureDepth() {
   }
 }
 
-bool SettlingWindow::IsMovable(const WindowVertex& v) const {
-  return v.alive && !v.on_rim && !v.frozen() && v.depth >= kMoveDepth;
+// Far enough behind the fronts to be improved.
+bool SettlingWindow::IsReached(const WindowVertex& v) const { return v.alive && !v.frozen() && v.depth >= kMoveDepth; }
+
+// The vertices that have been reached since the last time, and those next to them; what lies on a rim keeps its place.
+void SettlingWindow::ChooseVertices() {
+  std::vector<uint8_t> wanted(fronts_.vertex_slots(), 0);
+  around_.clear();
+  for (uint32_t i = 0; i < fronts_.triangle_slots(); ++i) {
+    const WindowTriangle& t = fronts_.at(WindowTriangleId(i));
+    if (!t.alive) continue;
+    const auto is_new = [&](WindowVertexId v) { return IsReached(fronts_.at(v)) && !fronts_.at(v).improved; };
+    if (std::none_of(t.corners.begin(), t.corners.end(), is_new)) continue;
+    for (const WindowVertexId v : t.corners) wanted[v.index()] = IsReached(fronts_.at(v));
+  }
+  chosen_.clear();
+  for (uint32_t i = 0; i < wanted.size(); ++i) {
+    WindowVertex& v = fronts_.at(WindowVertexId(i));
+    v.improved = v.improved || wanted[i];
+    if (wanted[i] && !v.on_rim) chosen_.push_back(WindowVertexId(i));
+  }
+  place_in_around_.assign(fronts_.triangle_slots(), kNotAround);
+  for (uint32_t i = 0; i < fronts_.triangle_slots(); ++i) {
+    const WindowTriangle& t = fronts_.at(WindowTriangleId(i));
+    const auto is_wanted = [&](WindowVertexId v) { return wanted[v.index()] != 0; };
+    if (!t.alive || std::none_of(t.corners.begin(), t.corners.end(), is_wanted)) continue;
+    place_in_around_[i] = static_cast<uint32_t>(around_.size());
+    around_.push_back(WindowTriangleId(i));
+  }
 }
 
 bool SettlingWindow::TryFlip(Link h) {
   const WindowTriangle& s = fronts_.at(h.triangle());
   const Link g = s.across[h.side()];
-  if (!g.is_half_edge() || g.triangle() < h.triangle()) return false;
   const WindowTriangle& t = fronts_.at(g.triangle());
   const WindowVertexId ia = s.corners[h.side()], ib = s.corners[(h.side() + 1) % 3];
   const WindowVertexId ic = s.corners[(h.side() + 2) % 3], id = t.corners[(g.side() + 2) % 3];
@@ -93,10 +120,11 @@ bool SettlingWindow::TryFlip(Link h) {
 }
 
 void SettlingWindow::FlipSweep() {
-  for (uint32_t i = 0; i < fronts_.triangle_slots(); ++i) {
+  for (const WindowTriangleId t : around_) {
     for (int side = 0; side < 3; ++side) {
-      if (!fronts_.at(WindowTriangleId(i)).alive) break;
-      if (TryFlip(Link::HalfEdge(WindowTriangleId(i), side))) ++counts_.flips;
+      const Link across = fronts_.at(t).across[side];
+      if (!across.is_half_edge() || across.triangle() < t || !IsAround(across.triangle())) continue;
+      if (TryFlip(Link::HalfEdge(t, side))) ++counts_.flips;
     }
   }
 }
@@ -106,7 +134,7 @@ bool SettlingWindow::GatherRing(WindowVertexId v) {
   return fronts_.VisitFan(v, [&](WindowTriangleId t, int corner) {
     const WindowTriangle& triangle = fronts_.at(t);
     ring_.push_back({fronts_.at(triangle.corners[(corner + 1) % 3]).position,
-                     fronts_.at(triangle.corners[(corner + 2) % 3]).position});
+                     fronts_.at(triangle.corners[(corner + 2) % 3]).position, t, corner});
   });
 }
 
@@ -136,10 +164,9 @@ bool SettlingWindow::TryMove(WindowVertexId id, const Vec3& target,
 }
 
 void SettlingWindow::SmoothSweep() {
-  for (uint32_t i = 0; i < fronts_.vertex_slots(); ++i) {
-    const WindowVertexId id(i);
+  for (const WindowVertexId id : chosen_) {
     WindowVertex& v = fronts_.at(id);
-    if (!IsMovable(v) || !GatherRing(id)) continue;
+    if (!GatherRing(id)) continue;
     Vec3 sum;
     double weights = 0;
     for (const Spoke& s : ring_) {
@@ -157,10 +184,9 @@ void SettlingWindow::SmoothSweep() {
 }
 
 void SettlingWindow::SearchSweep() {
-  for (uint32_t i = 0; i < fronts_.vertex_slots(); ++i) {
-    const WindowVertexId id(i);
+  for (const WindowVertexId id : chosen_) {
     WindowVertex& v = fronts_.at(id);
-    if (!IsMovable(v) || !GatherRing(id)) continue;
+    if (!GatherRing(id)) continue;
     double worst = WorstAround(v.position, v.source.normal, RadiusRatio);
     if (worst >= kSearchBelow) continue;
     double spoke = 0;
@@ -182,6 +208,24 @@ void SettlingWindow::SearchSweep() {
   }
 }
 
+// Before the first sweep of the fit: it moves places along the normal by a fraction of an edge, which hardly moves their feet.
+void SettlingWindow::FindFeet() {
+  feet_.resize(around_.size());
+  for (uint32_t i = 0; i < around_.size(); ++i) {
+    const WindowTriangle& t = fronts_.at(around_[i]);
+    const WindowVertex* v[3] = {&fronts_.at(t.corners[0]), &fronts_.at(t.corners[1]), &fronts_.at(t.corners[2])};
+    const SourcePoint middle = surface_.Snap(v[0]->source, (v[0]->position + v[1]->position + v[2]->position) / 3.0);
+    feet_[i].centroid = middle.position;
+    for (int side = 0; side < 3; ++side) {
+      const Link across = t.across[side];
+      const uint32_t other = across.is_half_edge() ? place_in_around_[across.triangle().index()] : kNotAround;
+      feet_[i].middle[side] =
+          other < i ? feet_[other].middle[across.side()]
+                    : surface_.Snap(middle, 0.5 * (v[side]->position + v[(side + 1) % 3]->position)).position;
+    }
+  }
+}
+
 // The shift along the normal that makes the surface's signed deviations from the triangles around least in the mean square, by a
 // seven-point rule on each triangle (vertices 1/20, edge middles 2/15, centroid 9/20 of its area).
 void SettlingWindow::FitVertex(WindowVertexId id) {
@@ -189,9 +233,8 @@ void SettlingWindow::FitVertex(WindowVertexId id) {
   const Vec3 n = v.source.normal;
   double numerator = 0, denominator = 0, spoke = 0, total_area = 0;
   double least_edge2 = std::numeric_limits<double>::infinity();  // of the triangles' longest edges
-  const auto sample = [&](const Vec3& place, double weight, double share) {
-    const SourcePoint x = surface_.Snap(v.source, place);
-    numerator += weight * share * Dot(x.position - place, n);
+  const auto sample = [&](const Vec3& place, const Vec3& foot, double weight, double share) {
+    numerator += weight * share * Dot(foot - place, n);
     denominator += weight * share * share;
   };
   for (const Spoke& s : ring_) {
@@ -200,8 +243,9 @@ void SettlingWindow::FitVertex(WindowVertexId id) {
     least_edge2 = std::min(least_edge2, std::max({SquaredDistance(s.from, s.to), SquaredDistance(v.position, s.from),
                                                   SquaredDistance(v.position, s.to)}));
     spoke += Distance(v.position, s.from) / static_cast<double>(ring_.size());
-    sample((v.position + s.from + s.to) / 3.0, 0.45 * area, 1.0 / 3);
-    sample(0.5 * (v.position + s.from), 2 * area * (2.0 / 15), 0.5);
+    const Feet& feet = feet_[place_in_around_[s.triangle.index()]];
+    sample((v.position + s.from + s.to) / 3.0, feet.centroid, 0.45 * area, 1.0 / 3);
+    sample(0.5 * (v.position + s.from), feet.middle[s.corner], 2 * area * (2.0 / 15), 0.5);
   }
   numerator += 0.05 * total_area * Dot(v.source.position - v.position, n);
   denominator += 0.05 * total_area;
@@ -215,14 +259,14 @@ void SettlingWindow::FitVertex(WindowVertexId id) {
 }
 
 void SettlingWindow::FitSweep() {
-  for (uint32_t i = 0; i < fronts_.vertex_slots(); ++i) {
-    const WindowVertexId id(i);
-    if (IsMovable(fronts_.at(id)) && GatherRing(id)) FitVertex(id);
+  for (const WindowVertexId id : chosen_) {
+    if (GatherRing(id)) FitVertex(id);
   }
 }
 
 std::vector<WindowTriangleId> SettlingWindow::Improve(const Context& context) {
   MeasureDepth();
+  ChooseVertices();
   const auto stopped = [&] { return !context.CheckStop().ok(); };
   for (int sweep = 0; sweep < kImproveSweeps && !stopped(); ++sweep) {
     if (options_.flips) FlipSweep();
@@ -232,8 +276,46 @@ std::vector<WindowTriangleId> SettlingWindow::Improve(const Context& context) {
     if (options_.flips) FlipSweep();
     SearchSweep();
   }
+  if (options_.fit && !stopped()) FindFeet();
   for (int sweep = 0; sweep < kFitSweeps && options_.fit && !stopped(); ++sweep) FitSweep();
-  return stopped() ? std::vector<WindowTriangleId>() : Audit();
+  if (stopped()) return {};
+  if (options_.smooth) FindSlivers();
+  return Audit();
+}
+
+// Deep enough to go to the sink.
+bool SettlingWindow::Leaves(WindowTriangleId id) const {
+  const WindowTriangle& t = fronts_.at(id);
+  return t.alive && std::all_of(t.corners.begin(), t.corners.end(),
+                                [&](WindowVertexId v) { return fronts_.at(v).depth >= kEmitDepth; });
+}
+
+void SettlingWindow::FindSlivers() {
+  slivers_.clear();
+  for (const WindowTriangleId id : around_) {
+    const WindowTriangle& t = fronts_.at(id);
+    if (!t.alive || t.audit != AuditMark::kNone || !Leaves(id)) continue;
+    const auto place = [&](int i) { return fronts_.at(t.corners[i]).position; };
+    if (RadiusRatio(place(0), place(1), place(2)) < kSliver) slivers_.push_back(id);
+  }
+}
+
+// Whether the triangles around a vertex go round it once and all face its normal's way: seen along the normal they lie side by side,
+// so that no two of them meet in more than they share.
+bool SettlingWindow::HasSimpleStar(WindowVertexId id) const {
+  const WindowVertex& v = fronts_.at(id);
+  const Vec3 n = v.source.normal;
+  const Vec3 across = std::abs(n.x) < 0.6 ? Vec3{0, -n.z, n.y} : Vec3{n.z, 0, -n.x};  // any direction in the plane of n
+  bool faces = true;
+  int rounds = 0;  // a spoke from below the axis to above it: with every turn below 180° once a round
+  const bool closed = fronts_.VisitFan(id, [&](WindowTriangleId t, int corner) {
+    const WindowTriangle& triangle = fronts_.at(t);
+    const Vec3 from = fronts_.at(triangle.corners[(corner + 1) % 3]).position - v.position;
+    const Vec3 to = fronts_.at(triangle.corners[(corner + 2) % 3]).position - v.position;
+    faces = faces && Dot(Cross(from, to), n) > 0;
+    rounds += Dot(from, across) < 0 && !(Dot(to, across) < 0);
+  });
+  return closed && faces && rounds == 1;
 }
 
 // Pairs of triangles that meet in more than what they share, one of them about to leave.
@@ -249,20 +331,26 @@ std::vector<std::pair<WindowTriangleId, WindowTriangleId>> SettlingWindow::FindI
         {VertexId(t.corners[0].index()), VertexId(t.corners[1].index()), VertexId(t.corners[2].index())});
     ids.push_back(WindowTriangleId(i));
   }
-  const auto leaves = [&](WindowTriangleId id) {
-    const WindowTriangle& t = fronts_.at(id);
-    return std::all_of(t.corners.begin(), t.corners.end(),
-                       [&](WindowVertexId v) { return fronts_.at(v).depth >= kEmitDepth; });
-  };
   const auto place = [&](const Triangle& t, int i) { return positions[t[i].index()]; };
+  std::vector<uint8_t> is_simple(positions.size());
+  for (uint32_t i = 0; i < is_simple.size(); ++i) {
+    const WindowVertex& v = fronts_.at(WindowVertexId(i));
+    is_simple[i] = v.alive && !v.on_front() && HasSimpleStar(WindowVertexId(i));
+  }
+  const auto share_simple_star = [&](const Triangle& s, const Triangle& t) {
+    for (const VertexId v : s) {
+      if (is_simple[v.index()] && (v == t[0] || v == t[1] || v == t[2])) return true;
+    }
+    return false;
+  };
   const TriangleBvh bvh(positions, triangles);
   std::vector<std::pair<WindowTriangleId, WindowTriangleId>> found;
   for (uint32_t i = 0; i < triangles.size(); ++i) {
-    if (!leaves(ids[i])) continue;
+    if (!Leaves(ids[i])) continue;
     const Vec3 a[3] = {place(triangles[i], 0), place(triangles[i], 1), place(triangles[i], 2)};
     bvh.VisitOverlaps(bvh.BoxOf(FaceId(i)), [&](FaceId f) {
       const uint32_t j = f.index();
-      if (j == i || (j < i && leaves(ids[j]))) return true;
+      if (j == i || share_simple_star(triangles[i], triangles[j]) || (j < i && Leaves(ids[j]))) return true;
       const Vec3 b[3] = {place(triangles[j], 0), place(triangles[j], 1), place(triangles[j], 2)};
       if (TrianglesIntersect(a, b, SharedCornersOf(triangles[i], triangles[j]))) found.push_back({ids[i], ids[j]});
       return true;
@@ -297,9 +385,7 @@ absl::Status SettlingWindow::Emit(bool everything) {
   std::vector<WindowTriangleId> leaving;
   for (uint32_t i = 0; i < fronts_.triangle_slots(); ++i) {
     const WindowTriangle& t = fronts_.at(WindowTriangleId(i));
-    const auto ready = [&](WindowVertexId v) { return fronts_.at(v).depth >= kEmitDepth; };
-    if (t.alive && (everything || std::all_of(t.corners.begin(), t.corners.end(), ready)))
-      leaving.push_back(WindowTriangleId(i));
+    if (t.alive && (everything || Leaves(WindowTriangleId(i)))) leaving.push_back(WindowTriangleId(i));
   }
   if (leaving.empty()) return absl::OkStatus();
   std::vector<OutputVertex> vertices;

@@ -32,9 +32,11 @@ class SettlingWindow {
   SettlingWindow(const Surface& surface, FrontSet& fronts, const SettlingOptions& options, MeshSink& sink)
       : surface_(surface), fronts_(fronts), options_(options), sink_(sink) {}
 
-  // Improves what is kMoveDepth rings or more behind the fronts and audits what is to leave. Returns the triangles of pairs
+  // Improves what has come to lie kMoveDepth rings or more behind the fronts since the last time, and audits what is to leave. Returns the triangles of pairs
   // that intersect, so that the front can take them back; none of their vertices is frozen.
   std::vector<WindowTriangleId> Improve(const Context& context);
+  // The triangles about to leave that are slivers still, and were not accepted; found by the last Improve.
+  const std::vector<WindowTriangleId>& slivers() const { return slivers_; }
   // Sends what is kEmitDepth rings or more behind the fronts (`everything`: all) to the sink. The sink's status when it stops the job.
   absl::Status Emit(bool everything);
   // Intersecting triangles that could not be mended any more and were let go; their places.
@@ -52,11 +54,16 @@ class SettlingWindow {
   static constexpr uint32_t kEmitDepth = 5;
 
  private:
-  bool IsMovable(const WindowVertex& v) const;
+  static constexpr uint32_t kNotAround = 0xffffffffu;
+
+  bool IsReached(const WindowVertex& v) const;
+  void ChooseVertices();
+  bool IsAround(WindowTriangleId t) const { return place_in_around_[t.index()] != kNotAround; }
   void FlipSweep();
   bool TryFlip(Link half_edge);
   void SmoothSweep();
   void SearchSweep();
+  void FindFeet();
   void FitSweep();
   void FitVertex(WindowVertexId id);
   bool GatherRing(WindowVertexId v);  // fills ring_; false when the fan is not closed
@@ -65,11 +72,20 @@ class SettlingWindow {
   bool TryMove(WindowVertexId v, const Vec3& target, double (*measure)(const Vec3&, const Vec3&, const Vec3&),
                double& worst);
   std::vector<WindowTriangleId> Audit();
+  bool Leaves(WindowTriangleId t) const;
+  void FindSlivers();
+  bool HasSimpleStar(WindowVertexId v) const;
   std::vector<std::pair<WindowTriangleId, WindowTriangleId>> FindIntersections() const;
 
   // The ring around a vertex: the corners opposite in each triangle, in order around it.
   struct Spoke {
     Vec3 from, to;  // the triangle is (vertex, from, to)
+    WindowTriangleId triangle;
+    int corner;  // the vertex's in it
+  };
+  // The places of the surface closest to a triangle's centroid and to the middles of its sides, which the fit compares with.
+  struct Feet {
+    Vec3 centroid, middle[3];
   };
 
   const Surface& surface_;
@@ -78,6 +94,11 @@ class SettlingWindow {
   MeshSink& sink_;
   SettledCounts counts_;
   std::vector<Spoke> ring_;
+  std::vector<WindowVertexId> chosen_;     // what this call of Improve moves, by id
+  std::vector<WindowTriangleId> around_;   // the triangles that have a chosen corner, by id
+  std::vector<Feet> feet_;                 // of around_
+  std::vector<uint32_t> place_in_around_;  // of every triangle slot
+  std::vector<WindowTriangleId> slivers_;
   std::vector<Vec3> faults_;
   uint32_t next_output_ = 0;
 };
