@@ -12,7 +12,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
+#include <mutex>
+#include <utility>
 
+#include "core/base/processor.h"
 #include "core/base/status_macros.h"
 #include "core/geometry/triangle.h"
 #include "core/surface/vertex_rings.h"
@@ -33,9 +37,11 @@ constexpr uint32_t kMinSamples = 7;
 // Of the scaled system (unit diagonal): a pivot below this says that some term is not determined.
 constexpr double kMinPivot = 1e-5;
 
-// What the fit reads of a vertex, side by side: its place, and the unit normal times a third of the faces around it.
-struct Sample {
+// What the fit reads of a vertex, in one cache line: its place, a third of the area of the faces around it, and the unit normal
+// times that.
+struct alignas(64) Sample {
   Vec3 position, weighted_normal;
+  double area;
 };
 
 struct Sources {
@@ -59,34 +65,94 @@ struct System {
   std::array<double, kTerms> right;
 };
 
-// The ring in its frame, scaled to the unit disk, one array each.
-struct LocalSamples {
-  // One more than fits, for the pad to an even count.
-  double x[RingCollector::kCapacity + 1], y[RingCollector::kCapacity + 1], z[RingCollector::kCapacity + 1];
-  double weight[RingCollector::kCapacity + 1];
-  uint32_t count = 0;
+// Four samples at a time; a vector type of the compiler, since it may not reorder sums of doubles by itself. Each lane rounds as a
+// scalar does, so that the processor's width changes no bit.
+typedef double Quad __attribute__((vector_size(32)));
+constexpr uint32_t kLanes = 4;
+inline double SumOf(const Quad& q) { return (q[0] + q[1]) + (q[2] + q[3]); }
+inline double MaxOf(const Quad& q) { return std::max(std::max(q[0], q[1]), std::max(q[2], q[3])); }
+
+// A ring's samples, one array each, filled up to whole quads with samples of no area at the centre.
+struct RingSamples {
+  static constexpr uint32_t kQuads = RingCollector::kCapacity / kLanes;
+  Quad x[kQuads], y[kQuads], z[kQuads];  // from the centre; after Project in the frame
+  Quad normal_x[kQuads], normal_y[kQuads], normal_z[kQuads];
+  Quad area[kQuads];
+  Quad weight[kQuads];  // by ring; after Project times the agreement with the frame
+  uint32_t quads = 0;
+  bool turns_far = false;  // some normal from that at the centre
 };
 
-// Two samples at a time; a vector type of the compiler, since it may not reorder sums of doubles by itself.
-typedef double Pair __attribute__((vector_size(16)));
-inline Pair LoadPair(const double* from) { return Pair{from[0], from[1]}; }
-inline double SumOf(Pair p) { return p[0] + p[1]; }
+void Gather(const Sources& from, const RingCollector& ring, RingSamples& out) {
+  const Vec3 center = from.samples[ring.vertex(0)].position;
+  const auto put = [](Quad* quads, uint32_t i, double value) { reinterpret_cast<double*>(quads)[i] = value; };
+  const auto add = [&](uint32_t i, const Sample& sample, double weight) {
+    put(out.x, i, sample.position.x - center.x);
+    put(out.y, i, sample.position.y - center.y);
+    put(out.z, i, sample.position.z - center.z);
+    put(out.normal_x, i, sample.weighted_normal.x);
+    put(out.normal_y, i, sample.weighted_normal.y);
+    put(out.normal_z, i, sample.weighted_normal.z);
+    put(out.area, i, sample.area);
+    put(out.weight, i, weight);
+  };
+  for (uint32_t i = 0; i < ring.size(); ++i) {
+    add(i, from.samples[ring.vertex(i)], ring.ring_count() + 1 - ring.ring(i));
+  }
+  out.quads = (ring.size() + kLanes - 1) / kLanes;
+  for (uint32_t i = ring.size(); i < kLanes * out.quads; ++i) add(i, {center, {}, 0}, 0);
+}
 
-// The normal equations from the 15 moments of the weights up to x⁴, x³y, … and the 6 with z.
-System NormalEquations(LocalSamples& s) {
-  s.x[s.count] = s.y[s.count] = s.z[s.count] = s.weight[s.count] = 0;
-  Pair m40{}, m31{}, m22{}, m13{}, m04{}, m30{}, m21{}, m12{}, m03{}, m20{}, m11{}, m02{}, m10{}, m01{}, m00{};
-  Pair z20{}, z11{}, z02{}, z10{}, z01{}, z00{};
-  for (uint32_t i = 0; i < s.count; i += 2) {
-    const Pair x = LoadPair(s.x + i), y = LoadPair(s.y + i), z = LoadPair(s.z + i), w = LoadPair(s.weight + i);
-    const Pair xx = x * x, xy = x * y, yy = y * y;
-    const Pair wx = w * x, wy = w * y, wxx = w * xx, wxy = w * xy, wyy = w * yy;
+// The sum of the weighted normals that agree with `own`; also looks whether the ring turns far.
+MESHFRONT_WIDE Vec3 SumOfNormals(const Vec3& own, RingSamples& s) {
+  Quad x{}, y{}, z{};
+  decltype(x < y) far{};
+  for (uint32_t i = 0; i < s.quads; ++i) {
+    const Quad along = s.normal_x[i] * own.x + s.normal_y[i] * own.y + s.normal_z[i] * own.z;
+    far |= along < kFarTurnCosine * s.area[i];
+    x += along > 0 ? s.normal_x[i] : Quad{};
+    y += along > 0 ? s.normal_y[i] : Quad{};
+    z += along > 0 ? s.normal_z[i] : Quad{};
+  }
+  s.turns_far = (far[0] | far[1] | far[2] | far[3]) != 0;
+  return {SumOf(x), SumOf(y), SumOf(z)};
+}
+
+struct Projection {
+  double squared_radius;
+  double looking_up;  // how many samples have a weight
+};
+
+// Turns the samples into the frame; those that do not look its way get no weight.
+MESHFRONT_WIDE Projection Project(const Frame& frame, RingSamples& s) {
+  Quad radius2{}, looking_up{};
+  for (uint32_t i = 0; i < s.quads; ++i) {
+    const Quad x = s.x[i], y = s.y[i], z = s.z[i];
+    const Quad agreement = s.normal_x[i] * frame.z.x + s.normal_y[i] * frame.z.y + s.normal_z[i] * frame.z.z;
+    const Quad d2 = x * x + y * y + z * z;
+    radius2 = d2 > radius2 ? d2 : radius2;
+    looking_up += agreement > 0 ? Quad{1, 1, 1, 1} : Quad{};
+    s.weight[i] *= agreement > 0 ? agreement : Quad{};
+    s.x[i] = x * frame.x.x + y * frame.x.y + z * frame.x.z;
+    s.y[i] = x * frame.y.x + y * frame.y.y + z * frame.y.z;
+    s.z[i] = x * frame.z.x + y * frame.z.y + z * frame.z.z;
+  }
+  return {MaxOf(radius2), SumOf(looking_up)};
+}
+
+// The normal equations of the samples times `scale`, from the 15 moments of the weights up to x⁴, x³y, … and the 6 with z.
+MESHFRONT_WIDE void FormNormalEquations(const RingSamples& s, double scale, System& system) {
+  Quad m40{}, m31{}, m22{}, m13{}, m04{}, m30{}, m21{}, m12{}, m03{}, m20{}, m11{}, m02{}, m10{}, m01{}, m00{};
+  Quad z20{}, z11{}, z02{}, z10{}, z01{}, z00{};
+  for (uint32_t i = 0; i < s.quads; ++i) {
+    const Quad x = scale * s.x[i], y = scale * s.y[i], z = scale * s.z[i], w = s.weight[i];
+    const Quad xx = x * x, xy = x * y, yy = y * y;
+    const Quad wx = w * x, wy = w * y, wxx = w * xx, wxy = w * xy, wyy = w * yy;
     m40 += wxx * xx, m31 += wxx * xy, m22 += wxx * yy, m13 += wxy * yy, m04 += wyy * yy;
     m30 += wxx * x, m21 += wxx * y, m12 += wxy * y, m03 += wyy * y;
     m20 += wxx, m11 += wxy, m02 += wyy, m10 += wx, m01 += wy, m00 += w;
     z20 += wxx * z, z11 += wxy * z, z02 += wyy * z, z10 += wx * z, z01 += wy * z, z00 += w * z;
   }
-  System system;
   const double xy2 = SumOf(m22), x2y = SumOf(m21), xy_y = SumOf(m12), x2 = SumOf(m20), xy1 = SumOf(m11),
                y2 = SumOf(m02);
   system.matrix[0] = {SumOf(m40)};
@@ -96,12 +162,11 @@ System NormalEquations(LocalSamples& s) {
   system.matrix[4] = {x2y, xy_y, SumOf(m03), xy1, y2};
   system.matrix[5] = {x2, xy1, y2, SumOf(m10), SumOf(m01), SumOf(m00)};
   system.right = {SumOf(z20), SumOf(z11), SumOf(z02), SumOf(z10), SumOf(z01), SumOf(z00)};
-  return system;
 }
 
 // Solves by LDLᵀ after scaling to a unit diagonal; false when ill conditioned or not finite.
 bool SolveScaled(System& s, std::array<double, kTerms>& solution) {
-  std::array<double, kTerms> scale, pivot;
+  std::array<double, kTerms> scale, pivot, per_pivot;
   for (int i = 0; i < kTerms; ++i) {
     if (!(s.matrix[i][i] > 0)) return false;
     scale[i] = 1 / std::sqrt(s.matrix[i][i]);
@@ -113,63 +178,34 @@ bool SolveScaled(System& s, std::array<double, kTerms>& solution) {
   for (int i = 0; i < kTerms; ++i) {  // in place: the unit lower triangle L
     for (int j = 0; j < i; ++j) {
       for (int k = 0; k < j; ++k) s.matrix[i][j] -= s.matrix[i][k] * s.matrix[j][k] * pivot[k];
-      s.matrix[i][j] /= pivot[j];
+      s.matrix[i][j] *= per_pivot[j];
     }
     pivot[i] = s.matrix[i][i];
     for (int k = 0; k < i; ++k) pivot[i] -= s.matrix[i][k] * s.matrix[i][k] * pivot[k];
     if (!(pivot[i] > kMinPivot)) return false;
+    per_pivot[i] = 1 / pivot[i];
   }
   for (int i = 0; i < kTerms; ++i) {
     solution[i] = s.right[i];
     for (int k = 0; k < i; ++k) solution[i] -= s.matrix[i][k] * solution[k];
   }
   for (int i = kTerms - 1; i >= 0; --i) {
-    solution[i] /= pivot[i];
+    solution[i] *= per_pivot[i];
     for (int k = i + 1; k < kTerms; ++k) solution[i] -= s.matrix[k][i] * solution[k];
   }
   for (int i = 0; i < kTerms; ++i) solution[i] *= scale[i];
   return true;
 }
 
-Vec3 MeanNormal(const Sources& from, const RingCollector& ring) {
-  const Vec3& own = from.normals[ring.vertex(0)];
-  Vec3 sum;
-  for (uint32_t i = 0; i < ring.size(); ++i) {
-    const Vec3& normal = from.samples[ring.vertex(i)].weighted_normal;
-    if (Dot(normal, own) > 0) sum += normal;
-  }
-  const double length = Norm(sum);
-  return length > 0 ? sum / length : own;
-}
-
-// Fills in the samples that look the way of the frame; their coordinates are divided by the radius of the ring, which is
-// returned.
-double CollectLocal(const Sources& from, const RingCollector& ring, LocalSamples& local) {
-  const Vec3& center = from.samples[ring.vertex(0)].position;
-  const Frame frame(MeanNormal(from, ring));
-  local.count = 0;
-  double radius2 = 0;
-  for (uint32_t i = 0; i < ring.size(); ++i) {
-    const Sample& sample = from.samples[ring.vertex(i)];
-    const double agreement = Dot(sample.weighted_normal, frame.z);
-    const Vec3 d = sample.position - center;
-    radius2 = std::max(radius2, SquaredNorm(d));
-    const uint32_t at = local.count;
-    local.x[at] = Dot(d, frame.x), local.y[at] = Dot(d, frame.y), local.z[at] = Dot(d, frame.z);
-    local.weight[at] = (ring.ring_count() + 1 - ring.ring(i)) * agreement;
-    local.count += agreement > 0;
-  }
-  const double radius = std::sqrt(radius2), scale = radius > 0 ? 1 / radius : 0;
-  for (uint32_t i = 0; i < local.count; ++i) local.x[i] *= scale, local.y[i] *= scale, local.z[i] *= scale;
-  return radius;
-}
-
 // Steps 2 to 5 for the ring as it is; negative when the system is ill conditioned.
-double FitRing(const Sources& from, const RingCollector& ring) {
-  LocalSamples local;
-  const double radius = CollectLocal(from, ring, local);
-  if (local.count < kMinSamples || !(radius > 0)) return -1;
-  System system = NormalEquations(local);
+double FitRing(const Vec3& own_normal, RingSamples& samples) {
+  const Vec3 sum = SumOfNormals(own_normal, samples);
+  const double length = Norm(sum);
+  const Projection projection = Project(Frame(length > 0 ? sum / length : own_normal), samples);
+  const double radius = std::sqrt(projection.squared_radius);
+  if (projection.looking_up < kMinSamples || !(radius > 0)) return -1;
+  System system;
+  FormNormalEquations(samples, 1 / radius, system);
   std::array<double, kTerms> c;
   if (!SolveScaled(system, c)) return -1;
   const double curvature = MaxCurvatureOfQuadratic(c[0], c[1], c[2], c[3], c[4]) / radius;
@@ -188,35 +224,59 @@ double LargestTurn(const Sources& from, uint32_t v) {
 // 2 / (a short incident edge): the circle whose diameter is that edge. The second quartile's first edge is short even where
 // triangles are long and thin (a cylinder), and does not follow a single degenerate one.
 double ResolvedCurvature(const Sources& from, uint32_t v) {
-  std::array<double, VertexRings::kMaxDegree> lengths2;
+  constexpr uint32_t kMostKept = VertexRings::kMaxDegree / 4 + 1;
+  double shortest2[kMostKept];  // in order
   const absl::Span<const uint32_t> ring = from.rings.Of(v);
-  for (size_t i = 0; i < ring.size(); ++i) {
-    lengths2[i] = SquaredDistance(from.samples[v].position, from.samples[ring[i]].position);
+  const size_t kept = ring.size() / 4 + 1;
+  std::fill_n(shortest2, kept, INFINITY);
+  for (const uint32_t neighbour : ring) {
+    double length2 = SquaredDistance(from.samples[v].position, from.samples[neighbour].position);
+    for (size_t i = 0; i < kept; ++i) {
+      const double longer = std::max(shortest2[i], length2);
+      shortest2[i] = std::min(shortest2[i], length2);
+      length2 = longer;
+    }
   }
-  const auto chosen = lengths2.begin() + static_cast<std::ptrdiff_t>(ring.size() / 4);
-  std::nth_element(lengths2.begin(), chosen, lengths2.begin() + static_cast<std::ptrdiff_t>(ring.size()));
-  return *chosen > 0 ? 2 / std::sqrt(*chosen) : 0;
+  return shortest2[kept - 1] > 0 ? 2 / std::sqrt(shortest2[kept - 1]) : 0;
 }
 
-bool TurnsFar(const Sources& from, const RingCollector& ring) {
-  const Vec3& own = from.normals[ring.vertex(0)];
-  for (uint32_t i = 1; i < ring.size(); ++i) {
-    if (Dot(from.normals[ring.vertex(i)], own) < kFarTurnCosine) return true;
-  }
-  return false;
-}
-
-double MaxCurvatureAt(const Sources& from, uint32_t v, RingCollector& ring) {
+double MaxCurvatureAt(const Sources& from, uint32_t v, RingCollector& ring, RingSamples& samples) {
   if (from.rings.Of(v).empty()) return 0;
   ring.Start(v);
   double curvature = -1;
+  samples.turns_far = false;
   while (curvature < 0 && ring.ring_count() < kMaxRings && ring.Grow(from.rings)) {
-    if (ring.ring_count() >= kRings) curvature = FitRing(from, ring);
+    if (ring.ring_count() < kRings) continue;
+    Gather(from, ring, samples);
+    curvature = FitRing(from.normals[v], samples);
   }
-  if (curvature < 0) curvature = LargestTurn(from, v);
-  if (TurnsFar(from, ring)) curvature = std::max(curvature, kTurnShare * LargestTurn(from, v));
+  if (curvature < 0) return std::min(LargestTurn(from, v), ResolvedCurvature(from, v));
+  if (samples.turns_far) curvature = std::max(curvature, kTurnShare * LargestTurn(from, v));
   return std::min(curvature, ResolvedCurvature(from, v));
 }
+
+// One collector a thread, handed from block to block.
+class CollectorPool {
+ public:
+  explicit CollectorPool(size_t vertex_count) : vertex_count_(vertex_count) {}
+
+  std::unique_ptr<RingCollector> Take() {
+    const std::lock_guard lock(mutex_);
+    if (free_.empty()) return std::make_unique<RingCollector>(vertex_count_);
+    std::unique_ptr<RingCollector> last = std::move(free_.back());
+    free_.pop_back();
+    return last;
+  }
+  void GiveBack(std::unique_ptr<RingCollector> collector) {
+    const std::lock_guard lock(mutex_);
+    free_.push_back(std::move(collector));
+  }
+
+ private:
+  const size_t vertex_count_;
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<RingCollector>> free_;
+};
 
 std::vector<Sample> WeightedSamples(const TriangleMesh& mesh, absl::Span<const Vec3> normals) {
   std::vector<Sample> samples(mesh.positions.size());
@@ -225,7 +285,7 @@ std::vector<Sample> WeightedSamples(const TriangleMesh& mesh, absl::Span<const V
     const double third = TriangleArea(mesh.PositionAt(t[0]), mesh.PositionAt(t[1]), mesh.PositionAt(t[2])) / 3;
     for (const VertexId v : t) areas[v.index()] += third;
   }
-  for (size_t v = 0; v < samples.size(); ++v) samples[v] = {mesh.positions[v], areas[v] * normals[v]};
+  for (size_t v = 0; v < samples.size(); ++v) samples[v] = {mesh.positions[v], areas[v] * normals[v], areas[v]};
   return samples;
 }
 
@@ -246,9 +306,13 @@ absl::StatusOr<std::vector<double>> FitMaxCurvatures(const TriangleMesh& mesh, c
   MESHFRONT_ASSIGN_OR_RETURN(VertexRings rings, CreateVertexRings(mesh, adjacency, context));
   const Sources sources{WeightedSamples(mesh, normals), normals, std::move(rings)};
   std::vector<double> curvatures(mesh.positions.size());
+  CollectorPool collectors(mesh.positions.size());
   MESHFRONT_RETURN_IF_ERROR(ParallelFor(curvatures.size(), kGrain, context, [&](size_t begin, size_t end) {
-    RingCollector ring;
-    for (size_t v = begin; v < end; ++v) curvatures[v] = MaxCurvatureAt(sources, static_cast<uint32_t>(v), ring);
+    std::unique_ptr<RingCollector> ring = collectors.Take();
+    RingSamples samples;
+    for (size_t v = begin; v < end; ++v)
+      curvatures[v] = MaxCurvatureAt(sources, static_cast<uint32_t>(v), *ring, samples);
+    collectors.GiveBack(std::move(ring));
   }));
   return curvatures;
 }

@@ -1,5 +1,7 @@
 #include "core/surface/vertex_rings.h"
 
+#include <algorithm>
+
 #include "core/base/status_macros.h"
 
 namespace meshfront {
@@ -56,10 +58,10 @@ absl::StatusOr<VertexRings> CreateVertexRings(const TriangleMesh& mesh, const Fa
 
 void RingCollector::Start(uint32_t center) {
   if (++generation_ == 0) {
-    slots_.fill({});
+    std::fill(seen_.begin(), seen_.end(), 0);
     generation_ = 1;
   }
-  Mark(center);
+  seen_[center] = generation_;
   vertices_[0] = center;
   ring_of_[0] = 0;
   count_ = 1;
@@ -67,31 +69,31 @@ void RingCollector::Start(uint32_t center) {
   ring_ = 0;
 }
 
+// Without a branch per neighbour: two in three have been met before, in no order that a processor could predict.
 bool RingCollector::Grow(const VertexRings& rings) {
   const uint32_t begin = last_ring_begin_, end = count_;
   if (count_ == kCapacity) return false;
   ++ring_;
-  for (uint32_t i = begin; i < end; ++i) {
-    for (const uint32_t v : rings.Of(vertices_[i])) {
-      if (!Mark(v)) continue;
-      vertices_[count_] = v;
-      ring_of_[count_] = static_cast<uint8_t>(ring_);
-      if (++count_ == kCapacity) break;
+  // Locals, which the stores below cannot be taken to change.
+  uint32_t* const seen = seen_.data();
+  uint32_t* const vertices = vertices_.data();
+  const uint32_t* const neighbours = rings.neighbours.data();
+  const uint32_t* const begins = rings.begin.data();
+  const uint32_t generation = generation_;
+  uint32_t count = end;
+  for (uint32_t i = begin; i < end && count < kCapacity; ++i) {
+    const uint32_t last = begins[vertices[i] + 1];
+    for (uint32_t k = begins[vertices[i]]; k < last; ++k) {
+      const uint32_t v = neighbours[k];
+      vertices[count] = v;
+      count += seen[v] != generation;
+      seen[v] = generation;
     }
-    if (count_ == kCapacity) break;
   }
+  count_ = std::min(count, kCapacity);
+  std::fill(ring_of_.begin() + end, ring_of_.begin() + count_, static_cast<uint8_t>(ring_));
   last_ring_begin_ = end;
   return count_ > end;
-}
-
-bool RingCollector::Mark(uint32_t v) {
-  for (uint32_t i = (v * 0x9e3779b1u) >> 22;; i = (i + 1) % kSlots) {
-    if (slots_[i].generation != generation_) {
-      slots_[i] = {v, generation_};
-      return true;
-    }
-    if (slots_[i].vertex == v) return false;
-  }
 }
 
 }  // namespace meshfront

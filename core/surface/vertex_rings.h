@@ -26,10 +26,13 @@ struct VertexRings {
 absl::StatusOr<VertexRings> CreateVertexRings(const TriangleMesh& mesh, const FaceAdjacency& adjacency,
                                               const Context& context);
 
-// A vertex and those within a number of edges of it, nearest rings first; at most kCapacity. Reusable scratch, 6 KB.
+// A vertex and those within a number of edges of it, nearest rings first; at most kCapacity. Reusable scratch, 4 bytes a vertex
+// of the mesh.
 class RingCollector {
  public:
   static constexpr uint32_t kCapacity = 256;
+
+  explicit RingCollector(size_t vertex_count) : seen_(vertex_count, 0) {}
 
   // Begins again with `center` alone.
   void Start(uint32_t center);
@@ -42,14 +45,9 @@ class RingCollector {
   int ring(uint32_t i) const { return ring_of_[i]; }
 
  private:
-  static constexpr uint32_t kSlots = 1024;
-  struct Slot {
-    uint32_t vertex = 0, generation = 0;
-  };
-  bool Mark(uint32_t v);
-
-  std::array<Slot, kSlots> slots_{};
-  std::array<uint32_t, kCapacity> vertices_;
+  std::vector<uint32_t> seen_;  // by vertex: the last generation that it was met in
+  // A fan may run beyond the capacity before it is cut back.
+  std::array<uint32_t, kCapacity + VertexRings::kMaxDegree> vertices_;
   std::array<uint8_t, kCapacity> ring_of_;
   uint32_t count_ = 0, last_ring_begin_ = 0, generation_ = 0;
   int ring_ = 0;
