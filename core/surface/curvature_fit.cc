@@ -30,22 +30,30 @@ constexpr size_t kGrain = 512;
 // it, or everywhere, would follow noise.
 constexpr double kFarTurnCosine = 0.3;
 constexpr double kTurnShare = 0.55;
-constexpr int kRings = 3;     // sec. 3.2
-constexpr int kMaxRings = 6;  // grown to while ill conditioned
-constexpr int kTerms = 6;     // x², xy, y², x, y, 1
+constexpr int kRings = 3;      // sec. 3.2
+constexpr int kMostRings = 6;  // grown to while ill conditioned
+constexpr int kTerms = 6;      // x², xy, y², x, y, 1
 constexpr uint32_t kMinSamples = 7;
 // Of the scaled system (unit diagonal): a pivot below this says that some term is not determined.
 constexpr double kMinPivot = 1e-5;
 
-// What the fit reads of a vertex, in one cache line: its place, a third of the area of the faces around it, and the unit normal
-// times that.
+// Four doubles at a time; a vector type of the compiler, since it may not reorder sums of doubles by itself. Each lane rounds as a
+// scalar does, so that the processor's width changes no bit.
+typedef double Quad __attribute__((vector_size(32)));
+constexpr uint32_t kLanes = 4;
+inline double SumOf(const Quad& q) { return (q[0] + q[1]) + (q[2] + q[3]); }
+inline double MaxOf(const Quad& q) { return std::max(std::max(q[0], q[1]), std::max(q[2], q[3])); }
+
+// What the fit reads of a vertex, in one cache line: its place p, a third of the area A of the faces around it, and the unit normal
+// times that, n.
 struct alignas(64) Sample {
-  Vec3 position, weighted_normal;
-  double area;
+  Quad first;   // p.x, p.y, p.z, n.x
+  Quad second;  // n.y, n.z, A, 0
 };
 
 struct Sources {
   std::vector<Sample> samples;
+  absl::Span<const Vec3> positions;
   absl::Span<const Vec3> normals;
   VertexRings rings;
 };
@@ -65,57 +73,60 @@ struct System {
   std::array<double, kTerms> right;
 };
 
-// Four samples at a time; a vector type of the compiler, since it may not reorder sums of doubles by itself. Each lane rounds as a
-// scalar does, so that the processor's width changes no bit.
-typedef double Quad __attribute__((vector_size(32)));
-constexpr uint32_t kLanes = 4;
-inline double SumOf(const Quad& q) { return (q[0] + q[1]) + (q[2] + q[3]); }
-inline double MaxOf(const Quad& q) { return std::max(std::max(q[0], q[1]), std::max(q[2], q[3])); }
-
-// A ring's samples, one array each, filled up to whole quads with samples of no area at the centre.
+// A ring's samples, one array each, filled up to whole quads with samples without weight.
 struct RingSamples {
   static constexpr uint32_t kQuads = RingCollector::kCapacity / kLanes;
   Quad x[kQuads], y[kQuads], z[kQuads];  // from the centre; after Project in the frame
   Quad normal_x[kQuads], normal_y[kQuads], normal_z[kQuads];
-  Quad area[kQuads];
   Quad weight[kQuads];  // by ring; after Project times the agreement with the frame
   uint32_t quads = 0;
   bool turns_far = false;  // some normal from that at the centre
 };
 
-void Gather(const Sources& from, const RingCollector& ring, RingSamples& out) {
-  const Vec3 center = from.samples[ring.vertex(0)].position;
-  const auto put = [](Quad* quads, uint32_t i, double value) { reinterpret_cast<double*>(quads)[i] = value; };
-  const auto add = [&](uint32_t i, const Sample& sample, double weight) {
-    put(out.x, i, sample.position.x - center.x);
-    put(out.y, i, sample.position.y - center.y);
-    put(out.z, i, sample.position.z - center.z);
-    put(out.normal_x, i, sample.weighted_normal.x);
-    put(out.normal_y, i, sample.weighted_normal.y);
-    put(out.normal_z, i, sample.weighted_normal.z);
-    put(out.area, i, sample.area);
-    put(out.weight, i, weight);
-  };
-  for (uint32_t i = 0; i < ring.size(); ++i) {
-    add(i, from.samples[ring.vertex(i)], ring.ring_count() + 1 - ring.ring(i));
+void SetWeights(const RingCollector& ring, RingSamples& s) {
+  double* const weights = reinterpret_cast<double*>(s.weight);
+  for (int i = 0; i <= ring.ring_count(); ++i) {
+    std::fill(weights + ring.begin(i), weights + ring.begin(i + 1), ring.ring_count() + 1.0 - i);
   }
-  out.quads = (ring.size() + kLanes - 1) / kLanes;
-  for (uint32_t i = ring.size(); i < kLanes * out.quads; ++i) add(i, {center, {}, 0}, 0);
+  s.quads = (ring.size() + kLanes - 1) / kLanes;
+  std::fill(weights + ring.size(), weights + kLanes * s.quads, 0.0);
 }
 
-// The sum of the weighted normals that agree with `own`; also looks whether the ring turns far.
-MESHFRONT_WIDE Vec3 SumOfNormals(const Vec3& own, RingSamples& s) {
-  Quad x{}, y{}, z{};
-  decltype(x < y) far{};
+// Fills in all but the weights; returns the sum of the weighted normals that agree with `own`. Also looks whether the ring turns far.
+MESHFRONT_WIDE Vec3 Gather(const Sources& from, const RingCollector& ring, const Vec3& own, RingSamples& s) {
+  const Sample* const samples = from.samples.data();
+  const Quad center = samples[ring.vertex(0)].first;
+  Quad sum_x{}, sum_y{}, sum_z{};
+  decltype(sum_x < sum_y) far{};
   for (uint32_t i = 0; i < s.quads; ++i) {
-    const Quad along = s.normal_x[i] * own.x + s.normal_y[i] * own.y + s.normal_z[i] * own.z;
-    far |= along < kFarTurnCosine * s.area[i];
-    x += along > 0 ? s.normal_x[i] : Quad{};
-    y += along > 0 ? s.normal_y[i] : Quad{};
-    z += along > 0 ? s.normal_z[i] : Quad{};
+    const std::array<uint32_t, kLanes> v = ring.FourFrom(kLanes * i);
+    const Sample &a = samples[v[0]], &b = samples[v[1]], &c = samples[v[2]], &d = samples[v[3]];
+    // Four by four, turned: lanes of pairs, then pairs of lanes.
+    const Quad ab_even = __builtin_shufflevector(a.first, b.first, 0, 4, 2, 6);
+    const Quad ab_odd = __builtin_shufflevector(a.first, b.first, 1, 5, 3, 7);
+    const Quad cd_even = __builtin_shufflevector(c.first, d.first, 0, 4, 2, 6);
+    const Quad cd_odd = __builtin_shufflevector(c.first, d.first, 1, 5, 3, 7);
+    s.x[i] = __builtin_shufflevector(ab_even, cd_even, 0, 1, 4, 5) - center[0];
+    s.y[i] = __builtin_shufflevector(ab_odd, cd_odd, 0, 1, 4, 5) - center[1];
+    s.z[i] = __builtin_shufflevector(ab_even, cd_even, 2, 3, 6, 7) - center[2];
+    const Quad nx = __builtin_shufflevector(ab_odd, cd_odd, 2, 3, 6, 7);
+    const Quad ab_y_area = __builtin_shufflevector(a.second, b.second, 0, 4, 2, 6);
+    const Quad cd_y_area = __builtin_shufflevector(c.second, d.second, 0, 4, 2, 6);
+    const Quad ny = __builtin_shufflevector(ab_y_area, cd_y_area, 0, 1, 4, 5);
+    const Quad area = __builtin_shufflevector(ab_y_area, cd_y_area, 2, 3, 6, 7);
+    const Quad ab_z = __builtin_shufflevector(a.second, b.second, 1, 5, 3, 7);
+    const Quad cd_z = __builtin_shufflevector(c.second, d.second, 1, 5, 3, 7);
+    const Quad nz = __builtin_shufflevector(ab_z, cd_z, 0, 1, 4, 5);
+    s.normal_x[i] = nx, s.normal_y[i] = ny, s.normal_z[i] = nz;
+    const Quad along = nx * own.x + ny * own.y + nz * own.z;
+    const auto agrees = (along > 0) & (s.weight[i] > 0);
+    far |= along < kFarTurnCosine * area;
+    sum_x += agrees ? nx : Quad{};
+    sum_y += agrees ? ny : Quad{};
+    sum_z += agrees ? nz : Quad{};
   }
   s.turns_far = (far[0] | far[1] | far[2] | far[3]) != 0;
-  return {SumOf(x), SumOf(y), SumOf(z)};
+  return {SumOf(sum_x), SumOf(sum_y), SumOf(sum_z)};
 }
 
 struct Projection {
@@ -131,8 +142,9 @@ MESHFRONT_WIDE Projection Project(const Frame& frame, RingSamples& s) {
     const Quad agreement = s.normal_x[i] * frame.z.x + s.normal_y[i] * frame.z.y + s.normal_z[i] * frame.z.z;
     const Quad d2 = x * x + y * y + z * z;
     radius2 = d2 > radius2 ? d2 : radius2;
-    looking_up += agreement > 0 ? Quad{1, 1, 1, 1} : Quad{};
-    s.weight[i] *= agreement > 0 ? agreement : Quad{};
+    const Quad weight = s.weight[i] * (agreement > 0 ? agreement : Quad{});
+    looking_up += weight > 0 ? Quad{1, 1, 1, 1} : Quad{};
+    s.weight[i] = weight;
     s.x[i] = x * frame.x.x + y * frame.x.y + z * frame.x.z;
     s.y[i] = x * frame.y.x + y * frame.y.y + z * frame.y.z;
     s.z[i] = x * frame.z.x + y * frame.z.y + z * frame.z.z;
@@ -198,8 +210,10 @@ bool SolveScaled(System& s, std::array<double, kTerms>& solution) {
 }
 
 // Steps 2 to 5 for the ring as it is; negative when the system is ill conditioned.
-double FitRing(const Vec3& own_normal, RingSamples& samples) {
-  const Vec3 sum = SumOfNormals(own_normal, samples);
+double FitRing(const Sources& from, const RingCollector& ring, RingSamples& samples) {
+  const Vec3& own_normal = from.normals[ring.vertex(0)];
+  SetWeights(ring, samples);
+  const Vec3 sum = Gather(from, ring, own_normal, samples);
   const double length = Norm(sum);
   const Projection projection = Project(Frame(length > 0 ? sum / length : own_normal), samples);
   const double radius = std::sqrt(projection.squared_radius);
@@ -215,7 +229,7 @@ double FitRing(const Vec3& own_normal, RingSamples& samples) {
 double LargestTurn(const Sources& from, uint32_t v) {
   double turn = 0;
   for (const uint32_t neighbour : from.rings.Of(v)) {
-    const double length = Distance(from.samples[v].position, from.samples[neighbour].position);
+    const double length = Distance(from.positions[v], from.positions[neighbour]);
     if (length > 0) turn = std::max(turn, Distance(from.normals[v], from.normals[neighbour]) / length);
   }
   return turn;
@@ -230,7 +244,7 @@ double ResolvedCurvature(const Sources& from, uint32_t v) {
   const size_t kept = ring.size() / 4 + 1;
   std::fill_n(shortest2, kept, INFINITY);
   for (const uint32_t neighbour : ring) {
-    double length2 = SquaredDistance(from.samples[v].position, from.samples[neighbour].position);
+    double length2 = SquaredDistance(from.positions[v], from.positions[neighbour]);
     for (size_t i = 0; i < kept; ++i) {
       const double longer = std::max(shortest2[i], length2);
       shortest2[i] = std::min(shortest2[i], length2);
@@ -244,11 +258,8 @@ double MaxCurvatureAt(const Sources& from, uint32_t v, RingCollector& ring, Ring
   if (from.rings.Of(v).empty()) return 0;
   ring.Start(v);
   double curvature = -1;
-  samples.turns_far = false;
-  while (curvature < 0 && ring.ring_count() < kMaxRings && ring.Grow(from.rings)) {
-    if (ring.ring_count() < kRings) continue;
-    Gather(from, ring, samples);
-    curvature = FitRing(from.normals[v], samples);
+  while (curvature < 0 && ring.ring_count() < kMostRings && ring.Grow(from.rings)) {
+    if (ring.ring_count() >= kRings) curvature = FitRing(from, ring, samples);
   }
   if (curvature < 0) return std::min(LargestTurn(from, v), ResolvedCurvature(from, v));
   if (samples.turns_far) curvature = std::max(curvature, kTurnShare * LargestTurn(from, v));
@@ -285,7 +296,12 @@ std::vector<Sample> WeightedSamples(const TriangleMesh& mesh, absl::Span<const V
     const double third = TriangleArea(mesh.PositionAt(t[0]), mesh.PositionAt(t[1]), mesh.PositionAt(t[2])) / 3;
     for (const VertexId v : t) areas[v.index()] += third;
   }
-  for (size_t v = 0; v < samples.size(); ++v) samples[v] = {mesh.positions[v], areas[v] * normals[v], areas[v]};
+  for (size_t v = 0; v < samples.size(); ++v) {
+    const Vec3& p = mesh.positions[v];
+    const Vec3 n = areas[v] * normals[v];
+    samples[v].first = Quad{p.x, p.y, p.z, n.x};
+    samples[v].second = Quad{n.y, n.z, areas[v], 0};
+  }
   return samples;
 }
 
@@ -304,7 +320,7 @@ double MaxCurvatureOfQuadratic(double a, double b, double c, double d, double e)
 absl::StatusOr<std::vector<double>> FitMaxCurvatures(const TriangleMesh& mesh, const FaceAdjacency& adjacency,
                                                      absl::Span<const Vec3> normals, const Context& context) {
   MESHFRONT_ASSIGN_OR_RETURN(VertexRings rings, CreateVertexRings(mesh, adjacency, context));
-  const Sources sources{WeightedSamples(mesh, normals), normals, std::move(rings)};
+  const Sources sources{WeightedSamples(mesh, normals), mesh.positions, normals, std::move(rings)};
   std::vector<double> curvatures(mesh.positions.size());
   CollectorPool collectors(mesh.positions.size());
   MESHFRONT_RETURN_IF_ERROR(ParallelFor(curvatures.size(), kGrain, context, [&](size_t begin, size_t end) {

@@ -63,16 +63,15 @@ void RingCollector::Start(uint32_t center) {
   }
   seen_[center] = generation_;
   vertices_[0] = center;
-  ring_of_[0] = 0;
-  count_ = 1;
-  last_ring_begin_ = 0;
+  ring_begin_[0] = 0;
+  ring_begin_[1] = count_ = 1;
   ring_ = 0;
 }
 
 // Without a branch per neighbour: two in three have been met before, in no order that a processor could predict.
 bool RingCollector::Grow(const VertexRings& rings) {
-  const uint32_t begin = last_ring_begin_, end = count_;
-  if (count_ == kCapacity) return false;
+  const uint32_t begin = ring_begin_[ring_], end = count_;
+  if (count_ == kCapacity || ring_ == kMaxRings) return false;
   ++ring_;
   // Locals, which the stores below cannot be taken to change.
   uint32_t* const seen = seen_.data();
@@ -80,7 +79,7 @@ bool RingCollector::Grow(const VertexRings& rings) {
   const uint32_t* const neighbours = rings.neighbours.data();
   const uint32_t* const begins = rings.begin.data();
   const uint32_t generation = generation_;
-  uint32_t count = end;
+  size_t count = end;
   for (uint32_t i = begin; i < end && count < kCapacity; ++i) {
     const uint32_t last = begins[vertices[i] + 1];
     for (uint32_t k = begins[vertices[i]]; k < last; ++k) {
@@ -90,9 +89,9 @@ bool RingCollector::Grow(const VertexRings& rings) {
       seen[v] = generation;
     }
   }
-  count_ = std::min(count, kCapacity);
-  std::fill(ring_of_.begin() + end, ring_of_.begin() + count_, static_cast<uint8_t>(ring_));
-  last_ring_begin_ = end;
+  count_ = static_cast<uint32_t>(std::min<size_t>(count, kCapacity));
+  ring_begin_[ring_ + 1] = count_;
+  std::fill_n(vertices_.begin() + count_, 3, vertices_[0]);  // for FourFrom
   return count_ > end;
 }
 

@@ -31,25 +31,31 @@ absl::StatusOr<VertexRings> CreateVertexRings(const TriangleMesh& mesh, const Fa
 class RingCollector {
  public:
   static constexpr uint32_t kCapacity = 256;
+  static constexpr int kMaxRings = 8;
 
   explicit RingCollector(size_t vertex_count) : seen_(vertex_count, 0) {}
 
   // Begins again with `center` alone.
   void Start(uint32_t center);
-  // Adds the next ring; false when there is none, or no room.
+  // Adds the next ring; false when there is none, or no room, or there are kMaxRings.
   bool Grow(const VertexRings& rings);
 
   uint32_t size() const { return count_; }
   int ring_count() const { return ring_; }
   uint32_t vertex(uint32_t i) const { return vertices_[i]; }
-  int ring(uint32_t i) const { return ring_of_[i]; }
+  // Ring i is vertices begin(i) to begin(i + 1); ring 0 is the centre.
+  uint32_t begin(int i) const { return ring_begin_[i]; }
+  // Vertices i to i + 3; beyond the last, the centre.
+  std::array<uint32_t, 4> FourFrom(uint32_t i) const {
+    return {vertices_[i], vertices_[i + 1], vertices_[i + 2], vertices_[i + 3]};
+  }
 
  private:
   std::vector<uint32_t> seen_;  // by vertex: the last generation that it was met in
   // A fan may run beyond the capacity before it is cut back.
   std::array<uint32_t, kCapacity + VertexRings::kMaxDegree> vertices_;
-  std::array<uint8_t, kCapacity> ring_of_;
-  uint32_t count_ = 0, last_ring_begin_ = 0, generation_ = 0;
+  std::array<uint32_t, kMaxRings + 2> ring_begin_;
+  uint32_t count_ = 0, generation_ = 0;
   int ring_ = 0;
 };
 
