@@ -21,6 +21,8 @@ constexpr double kThicknessOfDiagonal = 0.1;
 // Samples lie at most this many ideal lengths apart. Halfway between two of them g has risen by 1.5 (η − 1) of what it is at
 // both. At 1 the samples of a fine remesh outnumber the vertices (igea at rho 0.05: 100 MB) and say nothing that the input does not.
 constexpr double kSpacing = 3.0;
+// Edges of up to this many ideal lengths, almost all of a scan's, are seen without a root to be one piece.
+constexpr double kWhole = 0.999 * kSpacing;
 
 // How many equal pieces an edge is cut into so that each is at most kSpacing ideal lengths.
 int Pieces(double length, double ideal_length) {
@@ -41,15 +43,14 @@ class Densifier {
 
   int PiecesOf(VertexId a, VertexId b) const {
     const double ideal_length = std::min(ideal_lengths_[a.index()], ideal_lengths_[b.index()]);
-    return Pieces(Distance(mesh_.PositionAt(a), mesh_.PositionAt(b)), ideal_length);
+    const double length2 = SquaredDistance(mesh_.PositionAt(a), mesh_.PositionAt(b)), whole = kWhole * ideal_length;
+    return length2 <= whole * whole ? 1 : Pieces(std::sqrt(length2), ideal_length);
   }
-  void AddEdge(VertexId a, VertexId b) {
-    const int pieces = PiecesOf(a, b);
+  void AddEdge(VertexId a, VertexId b, int pieces) {
     for (int i = 1; i < pieces; ++i) Add({a, b, b}, static_cast<double>(i) / pieces, 0);
   }
-  // Points on a barycentric grid as fine as the face's sides are cut, without those on the sides.
-  void AddFace(const Triangle& t) {
-    const int pieces = std::min({PiecesOf(t[0], t[1]), PiecesOf(t[1], t[2]), PiecesOf(t[2], t[0])});
+  // Points on a barycentric grid as fine as the least cut of the face's sides, without those on the sides.
+  void AddFace(const Triangle& t, int pieces) {
     for (int i = 1; i < pieces; ++i) {
       for (int j = 1; i + j < pieces; ++j) Add(t, static_cast<double>(i) / pieces, static_cast<double>(j) / pieces);
     }
@@ -108,11 +109,13 @@ absl::StatusOr<std::vector<CurvatureSample>> MeshSurface::CurvatureSamples(
   for (uint32_t f = 0; f < mesh_.triangles.size(); ++f) {
     if (f % kCheckEvery == 0) MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
     const Triangle& t = mesh_.triangles[f];
+    const int pieces[3] = {densifier.PiecesOf(t[0], t[1]), densifier.PiecesOf(t[1], t[2]),
+                           densifier.PiecesOf(t[2], t[0])};
     for (int i = 0; i < 3; ++i) {
       const uint32_t across = adjacency_.opposite[f][i];
-      if (across == kNoHalfEdge || across > 3 * f + i) densifier.AddEdge(t[i], t[i == 2 ? 0 : i + 1]);
+      if (across == kNoHalfEdge || across > 3 * f + i) densifier.AddEdge(t[i], t[i == 2 ? 0 : i + 1], pieces[i]);
     }
-    densifier.AddFace(t);
+    densifier.AddFace(t, std::min({pieces[0], pieces[1], pieces[2]}));
   }
   return samples;
 }
