@@ -46,7 +46,8 @@ double ScaleFor(double diagonal) {
   return std::ldexp(1.0, -std::ilogb(diagonal));
 }
 
-absl::Status Mend(TriangleMesh& mesh, bool repair, InputReport& report, const Context& context) {
+absl::Status Mend(TriangleMesh& mesh, bool repair, InputReport& report, std::optional<FaceAdjacency>& adjacency,
+                  const Context& context) {
   if (mesh.triangles.empty()) {
     return absl::FailedPreconditionError(
         absl::StrCat("the input is a point set (", mesh.positions.size(),
@@ -56,6 +57,7 @@ absl::Status Mend(TriangleMesh& mesh, bool repair, InputReport& report, const Co
   MESHFRONT_ASSIGN_OR_RETURN(RepairResult repaired, RepairMesh(std::move(mesh), context));
   mesh = std::move(repaired.mesh);
   report.repairs = std::move(repaired.actions);
+  adjacency = std::move(repaired.adjacency);
   return absl::OkStatus();
 }
 
@@ -148,8 +150,9 @@ absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {
   Stopwatch watch;
   p.input.is_point_set = problem.mesh.IsPointSet();
   context.Report({Stage::kRepair});
-  MESHFRONT_RETURN_IF_ERROR(Mend(problem.mesh, options.repair, p.input, context));
-  p.input.topology = MeasureTopology(problem.mesh);
+  std::optional<FaceAdjacency> adjacency;  // where the repair has it
+  MESHFRONT_RETURN_IF_ERROR(Mend(problem.mesh, options.repair, p.input, adjacency, context));
+  p.input.topology = adjacency ? MeasureTopology(problem.mesh, *adjacency) : MeasureTopology(problem.mesh);
   p.input.diagonal = BoundingBox(problem.mesh).Diagonal();
   p.scale = ScaleFor(p.input.diagonal);
   if (p.scale != 1) {
@@ -158,7 +161,7 @@ absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {
   p.seconds.repair = watch.Lap();
 
   context.Report({Stage::kIndex});
-  MESHFRONT_ASSIGN_OR_RETURN(p.surface, MeshSurface::Create(std::move(problem.mesh), context));
+  MESHFRONT_ASSIGN_OR_RETURN(p.surface, MeshSurface::Create(std::move(problem.mesh), std::move(adjacency), context));
   const std::vector<double> component_diagonals = ComponentDiagonals(*p.surface);
   MESHFRONT_RETURN_IF_ERROR(SetClamps(options, component_diagonals, p));
   p.seconds.index = watch.Lap();

@@ -155,8 +155,9 @@ bool HasSingleFans(const TriangleMesh& mesh, const FaceAdjacency& adjacency) {
 std::vector<std::vector<uint32_t>> FindBoundaryLoops(const FaceAdjacency& adjacency) {
   std::vector<std::vector<uint32_t>> loops;
   std::vector<bool> visited(3 * adjacency.opposite.size(), false);
+  const uint32_t* const opposite = adjacency.opposite.data()->data();
   for (uint32_t first = 0; first < visited.size(); ++first) {
-    if (visited[first] || adjacency.OppositeOf(first) != kNoHalfEdge) continue;
+    if (opposite[first] != kNoHalfEdge || visited[first]) continue;
     std::vector<uint32_t>& loop = loops.emplace_back();
     for (uint32_t h = first; !visited[h];) {
       visited[h] = true;

@@ -53,7 +53,11 @@ uint64_t CountUnreferenced(const TriangleMesh& mesh) {
   return std::count(used.begin(), used.end(), false);
 }
 
-void DropUnreferenced(TriangleMesh& mesh) {
+bool HasUnreferenced(const FaceAdjacency& adjacency) {
+  return std::find(adjacency.outgoing.begin(), adjacency.outgoing.end(), kNoHalfEdge) != adjacency.outgoing.end();
+}
+
+void DropUnreferenced(TriangleMesh& mesh, FaceAdjacency& adjacency) {
   std::vector<uint32_t> new_id(mesh.positions.size(), 0);
   for (const Triangle& t : mesh.triangles) {
     for (const VertexId v : t) new_id[v.index()] = 1;
@@ -63,10 +67,12 @@ void DropUnreferenced(TriangleMesh& mesh) {
   for (uint32_t v = 0; v < new_id.size(); ++v) {
     if (new_id[v] == 0) continue;
     mesh.positions[count] = mesh.positions[v];
+    adjacency.outgoing[count] = adjacency.outgoing[v];
     if (has_normals) mesh.normals[count] = mesh.normals[v];
     new_id[v] = count++;
   }
   mesh.positions.resize(count);
+  adjacency.outgoing.resize(count);
   if (has_normals) mesh.normals.resize(count);
   for (Triangle& t : mesh.triangles) {
     for (VertexId& v : t) v = VertexId(new_id[v.index()]);
@@ -135,6 +141,7 @@ std::vector<uint32_t> RimsOf(const FaceAdjacency& adjacency) {
 
 // Whether a pass would change nothing but, perhaps, direction. `adjacency` is set then.
 bool IsClean(const TriangleMesh& mesh, const MeshSurvey& survey, std::optional<FaceAdjacency>& adjacency) {
+  adjacency.reset();
   if (survey.unsound_faces > 0 || MayHaveSpikes(survey)) return false;
   adjacency = FindManifoldAdjacency(mesh);
   if (!adjacency) return false;
@@ -183,41 +190,34 @@ absl::Status NothingLeft(const TriangleMesh& mesh) {
 }
 
 // Looks for a face to mesh, before anything is changed.
-absl::Status ValidateMeshable(const TriangleMesh& mesh) {
-  MESHFRONT_RETURN_IF_ERROR(ValidateIndices(mesh));
-  Box3 box;
-  bool any_sound = false;
-  for (const Triangle& t : mesh.triangles) {
-    const FaceState state = StateOf(mesh, t);
-    if (state != FaceState::kSound && state != FaceState::kZeroArea) continue;
-    any_sound |= state == FaceState::kSound;
-    for (const VertexId v : t) box.Extend(mesh.PositionAt(v));
-  }
-  const Vec3 size = box.empty() ? Vec3{} : box.max - box.min;
+absl::Status ValidateMeshable(const TriangleMesh& mesh, const MeshSurvey& survey) {
+  const Vec3 size = survey.box.empty() ? Vec3{} : survey.box.max - survey.box.min;
   const double largest = std::max({size.x, size.y, size.z});  // the diagonal's square could vanish
   if (largest > 0 && largest < kSmallestDiagonal) {
     return absl::InvalidArgumentError(absl::StrCat("the mesh is ", largest, " across; it must be at least ",
                                                    kSmallestDiagonal, " to be computed with"));
   }
-  return any_sound ? absl::OkStatus() : NothingLeft(mesh);
+  return survey.unsound_faces < mesh.triangles.size() ? absl::OkStatus() : NothingLeft(mesh);
 }
 
 }  // namespace
 
 absl::StatusOr<RepairResult> RepairMesh(TriangleMesh mesh, const Context& context) {
-  MESHFRONT_RETURN_IF_ERROR(ValidateMeshable(mesh));
+  MESHFRONT_RETURN_IF_ERROR(ValidateIndices(mesh));
+  MeshSurvey survey = Survey(mesh);
+  MESHFRONT_RETURN_IF_ERROR(ValidateMeshable(mesh, survey));
   const uint64_t triangles = mesh.triangles.size();
   ActionCounts actions;
   const uint64_t unreferenced = CountUnreferenced(mesh);
+  std::optional<FaceAdjacency> adjacency;
   for (int pass = 0;; ++pass) {
     MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
-    const MeshSurvey survey = Survey(mesh);
-    std::optional<FaceAdjacency> adjacency;
+    if (pass > 0) survey = Survey(mesh);
     const bool clean = IsClean(mesh, survey, adjacency);
     if (!clean && pass < kMostPasses && RepairPass(mesh, survey, actions)) continue;
     if (!adjacency) adjacency = FindManifoldAdjacency(mesh);
     if (!adjacency) return absl::InternalError("repair did not arrive at a manifold; please report this mesh");
-    actions.Add("reversed_components", TurnOutwards(mesh, *adjacency));
+    if (actions.Add("reversed_components", TurnOutwards(mesh, *adjacency))) adjacency = CreateAdjacency(mesh);
     break;
   }
   if (mesh.triangles.empty()) {
@@ -225,8 +225,8 @@ absl::StatusOr<RepairResult> RepairMesh(TriangleMesh mesh, const Context& contex
         absl::StrCat("nothing is left of the mesh's ", triangles, " triangles after repair"));
   }
   actions.Add("unreferenced_vertices", unreferenced);
-  DropUnreferenced(mesh);
-  return RepairResult{std::move(mesh), actions.Take()};
+  if (HasUnreferenced(*adjacency)) DropUnreferenced(mesh, *adjacency);
+  return RepairResult{std::move(mesh), actions.Take(), *std::move(adjacency)};
 }
 
 }  // namespace meshfront

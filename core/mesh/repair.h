@@ -8,6 +8,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/base/context.h"
+#include "core/mesh/adjacency.h"
 #include "core/mesh/triangle_mesh.h"
 
 namespace meshfront {
@@ -51,6 +52,7 @@ DefectList FindDefects(const TriangleMesh& mesh, size_t limit = 100);
 struct RepairResult {
   TriangleMesh mesh;  // an oriented manifold, perhaps with boundary, no unreferenced vertices
   std::vector<RepairAction> actions;
+  FaceAdjacency adjacency;  // of `mesh`
 };
 // Makes the best oriented manifold of the mesh. A mesh that is one passes with its bits and its order; repairing a
 // repaired mesh changes nothing. InvalidArgument when nothing meshable is there (no finite face with area), an index is

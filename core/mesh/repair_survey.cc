@@ -8,6 +8,12 @@
 namespace meshfront {
 namespace {
 
+// Comparisons with what is not a number fail.
+bool IsComputable(const Vec3& p) {
+  return (std::abs(p.x) <= kLargestCoordinate) & (std::abs(p.y) <= kLargestCoordinate) &
+         (std::abs(p.z) <= kLargestCoordinate);
+}
+
 double LargestComponent(const Vec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
 // Two triangles back to back: all sides of one lead to the other.
@@ -31,8 +37,7 @@ double SquaredLongestSide(const TriangleMesh& mesh, const Triangle& t) {
 FaceState StateOf(const TriangleMesh& mesh, const Triangle& t) {
   if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return FaceState::kRepeatedIndex;
   const Vec3 &a = mesh.PositionAt(t[0]), &b = mesh.PositionAt(t[1]), &c = mesh.PositionAt(t[2]);
-  const double largest = std::max({LargestComponent(a), LargestComponent(b), LargestComponent(c)});
-  if (!(largest <= kLargestCoordinate) || !IsFinite(a) || !IsFinite(b) || !IsFinite(c)) {
+  if (!IsComputable(a) || !IsComputable(b) || !IsComputable(c)) {
     return IsFinite(a) && IsFinite(b) && IsFinite(c) ? FaceState::kHuge : FaceState::kNotFinite;
   }
   const Vec3 ab = b - a, bc = c - b, ca = a - c;
@@ -63,6 +68,7 @@ MeshSurvey Survey(const TriangleMesh& mesh) {
     const FaceState state = StateOf(mesh, t);
     out.unsound_faces += state != FaceState::kSound;
     if (state != FaceState::kSound && state != FaceState::kZeroArea) continue;
+    for (const VertexId v : t) out.box.Extend(mesh.PositionAt(v));
     const double side2 = SquaredLongestSide(mesh, t);
     longest2 = std::max(longest2, side2);
     if (f % stride == 0) sample.push_back(side2);

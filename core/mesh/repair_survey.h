@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "absl/status/status.h"
+#include "core/geometry/box.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/triangle_mesh.h"
 
@@ -18,6 +19,7 @@ absl::Status ValidateIndices(const TriangleMesh& mesh);
 // One pass over the triangles. The median is that of a sample of a thousand.
 struct MeshSurvey {
   uint64_t unsound_faces = 0;
+  Box3 box;  // of the faces that are sound, or without area only
   double longest_side = 0;
   double median_side = 0;
 };

@@ -160,4 +160,8 @@ TopologyReport MeasureTopology(const TriangleMesh& mesh) {
   return AnyMesh(mesh).Measure();
 }
 
+TopologyReport MeasureTopology(const TriangleMesh& mesh, const FaceAdjacency& adjacency) {
+  return MeasureOriented(mesh, adjacency);
+}
+
 }  // namespace meshfront

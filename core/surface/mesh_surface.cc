@@ -43,9 +43,15 @@ absl::Status ValidateMesh(const TriangleMesh& mesh) {
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<MeshSurface>> MeshSurface::Create(TriangleMesh mesh, const Context& context) {
+  return Create(std::move(mesh), std::nullopt, context);
+}
+
+absl::StatusOr<std::unique_ptr<MeshSurface>> MeshSurface::Create(TriangleMesh mesh,
+                                                                 std::optional<FaceAdjacency> adjacency,
+                                                                 const Context& context) {
   MESHFRONT_RETURN_IF_ERROR(ValidateMesh(mesh));
   MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
-  std::optional<FaceAdjacency> adjacency = FindOrientedAdjacency(mesh);
+  if (!adjacency) adjacency = FindOrientedAdjacency(mesh);
   if (!adjacency) {
     return absl::InvalidArgumentError("the mesh is not an oriented manifold; repair it first");
   }
@@ -102,6 +108,8 @@ std::vector<SourcePoint> MeshSurface::Seeds(bool all) const {
   for (size_t f = 0; f < mesh_.triangles.size(); ++f) {
     for (const VertexId v : mesh_.triangles[f]) boxes[components_.label[f]].Extend(mesh_.PositionAt(v));
   }
+  std::vector<double> diagonals;
+  for (const Box3& box : boxes) diagonals.push_back(box.Diagonal());
   // Well shaped counts, and flat against the size of the component.
   std::vector<std::pair<double, uint32_t>> best(component_count(), {-1, 0});
   for (uint32_t f = 0; f < mesh_.triangles.size(); ++f) {
@@ -109,8 +117,10 @@ std::vector<SourcePoint> MeshSurface::Seeds(bool all) const {
     double curvature = 0;
     for (const VertexId v : t) curvature = std::max(curvature, curvatures_[v.index()]);
     const uint32_t component = components_.label[f];
+    const double against = 1 + kSeedFlatness * diagonals[component] * curvature;
+    if (best[component].first * against > 1) continue;  // no shape is better than 1
     const double shape = RadiusRatio(mesh_.PositionAt(t[0]), mesh_.PositionAt(t[1]), mesh_.PositionAt(t[2]));
-    const double score = shape / (1 + kSeedFlatness * boxes[component].Diagonal() * curvature);
+    const double score = shape / against;
     if (score > best[component].first) best[component] = {score, f};
   }
   std::vector<SourcePoint> seeds;

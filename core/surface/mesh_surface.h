@@ -41,6 +41,9 @@ class MeshSurface final : public Surface {
   // of range, a coordinate that is not finite, or a size whose fourth power leaves the range of double (diagonal outside
   // [1e-70, 1e70]; scale the mesh first). O(n).
   static absl::StatusOr<std::unique_ptr<MeshSurface>> Create(TriangleMesh mesh, const Context& context);
+  // With the mesh's adjacency where it is known.
+  static absl::StatusOr<std::unique_ptr<MeshSurface>> Create(TriangleMesh mesh, std::optional<FaceAdjacency> adjacency,
+                                                             const Context& context);
 
   // Fits the curvature of every vertex (curvature_fit.h), on the context's threads. To be called once, before anything that
   // tells a curvature: until then all are 0. Below 1 µs a vertex and core.
