@@ -9,9 +9,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <experimental/simd>
 #include <limits>
 
+#include "core/base/processor.h"
 #include "core/guidance/tolerances.h"
 
 namespace meshfront {
@@ -24,10 +24,16 @@ constexpr uint32_t kNoLane = 4;  // skips none
 // at most three children waiting.
 constexpr int kMaxWaiting = 64;
 
-// Four doubles side by side. Each lane rounds as a scalar does, so vectors change no bit.
-namespace simd = std::experimental;
-using Lanes = simd::fixed_size_simd<double, 4>;
-Lanes LanesAt(const double* values) { return Lanes(values, simd::element_aligned); }
+// Four doubles side by side. Each lane rounds as a scalar does, so vectors change no bit. Handed on by reference: vectors of the
+// wider processors have no place among the arguments of functions for all.
+typedef double Lanes __attribute__((vector_size(32)));
+typedef double UnalignedLanes __attribute__((vector_size(32), aligned(8), may_alias));
+inline const UnalignedLanes& LanesAt(const double* values) { return *reinterpret_cast<const UnalignedLanes*>(values); }
+inline void TakeRoots(Lanes& values) {
+  Lanes roots;
+  for (int i = 0; i < 4; ++i) roots[i] = std::sqrt(values[i]);
+  values = roots;
+}
 
 int LongestAxis(const Box3& box) {
   const Vec3 extent = box.max - box.min;
@@ -131,26 +137,39 @@ uint32_t ConeTree::MakeLeaf(absl::Span<const Item> items, const Place& place) {
 }
 
 inline void ConeTree::BoundChildren(const Node& node, const Vec3& x, double bounds[kLanes]) const {
-  const Lanes dx = max(max(LanesAt(node.min_x) - x.x, x.x - LanesAt(node.max_x)), Lanes(0.0));
-  const Lanes dy = max(max(LanesAt(node.min_y) - x.y, x.y - LanesAt(node.max_y)), Lanes(0.0));
-  const Lanes dz = max(max(LanesAt(node.min_z) - x.z, x.z - LanesAt(node.max_z)), Lanes(0.0));
-  const Lanes bound = (slope_ * sqrt(dx * dx + dy * dy + dz * dz) + LanesAt(node.min_apex)) * kPruneShrink;
-  bound.copy_to(bounds, simd::element_aligned);
+  const Lanes zero{};
+  const auto distance_to_slab = [&](const double* min, const double* max, double at, Lanes& out) {
+    const Lanes below = LanesAt(min) - at, above = at - LanesAt(max);
+    out = below > above ? below : above;
+    out = out > zero ? out : zero;
+  };
+  Lanes dx, dy, dz;
+  distance_to_slab(node.min_x, node.max_x, x.x, dx);
+  distance_to_slab(node.min_y, node.max_y, x.y, dy);
+  distance_to_slab(node.min_z, node.max_z, x.z, dz);
+  Lanes distance = dx * dx + dy * dy + dz * dz;
+  TakeRoots(distance);
+  const Lanes bound = (slope_ * distance + LanesAt(node.min_apex)) * kPruneShrink;
+  for (int i = 0; i < kLanes; ++i) bounds[i] = bound[i];
 }
 
 inline double ConeTree::MinOfLeaf(const Leaf& leaf, const Vec3& x) const {
-  Lanes lowest(kInfinity);
+  Lanes lowest = {kInfinity, kInfinity, kInfinity, kInfinity};
   for (uint32_t b = leaf.first_block; b != leaf.first_block + leaf.block_count; ++b) {
     const Block& block = blocks_[b];
     const Lanes dx = x.x - LanesAt(block.x), dy = x.y - LanesAt(block.y), dz = x.z - LanesAt(block.z);
-    lowest = min(lowest, slope_ * sqrt(dx * dx + dy * dy + dz * dz) + LanesAt(block.apex));
+    Lanes height = dx * dx + dy * dy + dz * dz;
+    TakeRoots(height);
+    height = slope_ * height + LanesAt(block.apex);
+    lowest = height < lowest ? height : lowest;
   }
-  return hmin(lowest);
+  return std::min(std::min(lowest[0], lowest[1]), std::min(lowest[2], lowest[3]));
 }
 
 // The minimum below `root`, one of its lanes left out, if it is below `limit`; with `first_hit` the first value below `limit`
 // that turns up.
-double ConeTree::SearchBelow(uint32_t root, uint32_t skipped_lane, const Vec3& x, double limit, bool first_hit) const {
+MESHFRONT_WIDE double ConeTree::SearchBelow(uint32_t root, uint32_t skipped_lane, const Vec3& x, double limit,
+                                            bool first_hit) const {
   struct {
     double bound;
     uint32_t child;

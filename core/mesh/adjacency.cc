@@ -138,6 +138,14 @@ std::optional<FaceAdjacency> FindOrientedAdjacency(const TriangleMesh& mesh) {
   return adjacency;
 }
 
+Box3 BoundingBox(const TriangleMesh& mesh, const FaceAdjacency& adjacency) {
+  Box3 box;
+  for (size_t v = 0; v < adjacency.outgoing.size(); ++v) {
+    if (adjacency.outgoing[v] != kNoHalfEdge) box.Extend(mesh.positions[v]);
+  }
+  return box;
+}
+
 bool HasSingleFans(const TriangleMesh& mesh, const FaceAdjacency& adjacency) {
   // One walk from each vertex's first half-edge; together they must see every corner.
   size_t seen = 0;

@@ -82,7 +82,7 @@ absl::Status MeshSurface::ComputeCurvature(const Context& context) {
 
 absl::Status MeshSurface::MeasureThickness(absl::Span<const double> ideal_lengths,
                                            std::vector<CurvatureSample>& samples, const Context& context) const {
-  const double longest = kThicknessOfDiagonal * BoundingBox(mesh_).Diagonal();
+  const double longest = kThicknessOfDiagonal * BoundingBox(mesh_, adjacency_).Diagonal();
   std::vector<double> limits(ideal_lengths.size());
   for (size_t v = 0; v < limits.size(); ++v) limits[v] = std::min(kThicknessOfLength * ideal_lengths[v], longest);
   MESHFRONT_ASSIGN_OR_RETURN(const std::vector<double> distances,

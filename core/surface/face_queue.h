@@ -36,7 +36,7 @@ class FaceQueue {
   void AddAcross(const FaceView& mesh, const Entry& at, double longest_way, Accept&& accept) {
     for (int side = 0; side < 3; ++side) {
       const uint32_t across = mesh.opposite[3 * at.face + side];
-      if (across == kNoHalfEdge) continue;
+      if (across == kNoHalfEdge || IsMarked(across / 3)) continue;
       const Vec3 passed = ClosestOnSide(mesh, at.face, side, at.entered);
       const double way = at.way + Distance(at.entered, passed);
       if (way <= longest_way && accept(across / 3)) Add({across / 3, way, passed});
@@ -53,6 +53,13 @@ class FaceQueue {
     const Vec3 &a = mesh.Corner(face, side), &b = mesh.Corner(face, side == 2 ? 0 : side + 1);
     const double length2 = SquaredDistance(a, b);
     return length2 > 0 ? Lerp(a, b, std::clamp(Dot(p - a, b - a) / length2, 0.0, 1.0)) : a;
+  }
+  bool IsMarked(uint32_t face) const {
+    const size_t mask = slots_.size() - 1;
+    for (size_t i = (face * 0x9e3779b1u) & mask; slots_[i].generation == generation_; i = (i + 1) & mask) {
+      if (slots_[i].face == face) return true;
+    }
+    return false;
   }
   bool Mark(uint32_t face) {
     const size_t mask = slots_.size() - 1;

@@ -1,4 +1,4 @@
-// 1. The cell size: doubled until there are at most kCellsPerFace cells, and at most kRefsPerFace meetings of faces with cells.
+// 1. The cell size: grown until there are at most kCellsPerFace cells, and at most kRefsPerFace meetings of faces with cells.
 // 2. Each face's unit normal, rounded outwards to bytes, joins the box of each cell that the face's box meets.
 // 3. A segment is cut into pieces no longer than a cell; the cells of a piece's box are asked. A box of normals is opposed when the
 // least dot product of the vector with its corners is.
@@ -32,29 +32,29 @@ NormalGrid::NormalGrid(const FaceView& mesh, const Box3& bounds, double cell_siz
   const double most_cells = std::max(kCellsPerFace * mesh.face_count, kFewestCells);
   Resize(cell_size > 0 ? std::max(cell_size, 1e-4 * diagonal) : diagonal);
   const auto cell_count = [&] { return double{1} * counts_[0] * counts_[1] * counts_[2]; };
-  while (cell_count() > most_cells) Resize(cell_size_ * std::max(1.05, std::cbrt(cell_count() / most_cells)));
-  const uint64_t most_refs = std::max(kRefsPerFace * mesh.face_count, kFewestRefs);
-  while (CountRefs(most_refs) > most_refs) Resize(2 * cell_size_);
+  while (cell_count() > most_cells) Resize(1.25 * cell_size_);
+  while (!Fill(std::max(kRefsPerFace * mesh.face_count, kFewestRefs))) Resize(2 * cell_size_);
+}
 
+// False when the faces meet more than `most_refs` cells together.
+bool NormalGrid::Fill(uint64_t most_refs) {
   Normals none;
   std::memset(&none, 127, sizeof(none));
   cells_.assign(size_t{counts_[0]} * counts_[1] * counts_[2], none);
-  for (uint32_t f = 0; f < mesh.face_count; ++f) {
-    const Vec3 area = AreaVector(mesh.Corner(f, 0), mesh.Corner(f, 1), mesh.Corner(f, 2));
-    const double length = Norm(area);
-    Normals own{-128, -128, -128, 0, -128, -128, -128, 0};  // without a direction: every one
-    if (length > 0 && std::isfinite(1 / length)) {
-      for (int i = 0; i < 3; ++i) {
-        const int component = static_cast<int>(area[i] * (kUnit / length));  // towards zero
-        own[i] = static_cast<int8_t>(std::max(component - 1, -128));
-        own[4 + i] = static_cast<int8_t>(std::max(-component - 1, -128));
-      }
-    }
-    VisitCells(RangeOfFace(f), counts_, [&](size_t cell) {
+  uint64_t refs = 0;
+  for (uint32_t f = 0; f < mesh_.face_count; ++f) {
+    const Range range = RangeOfFace(f);
+    uint64_t cells = 1;
+    for (int i = 0; i < 3; ++i) cells *= static_cast<uint64_t>(range.last[i] - range.first[i] + 1);
+    refs += cells;
+    if (refs > most_refs) return false;
+    const Normals own = NormalsOf(f);
+    VisitCells(range, counts_, [&](size_t cell) {
       cells_[cell] = own < cells_[cell] ? own : cells_[cell];
       return false;
     });
   }
+  return true;
 }
 
 void NormalGrid::Resize(double cell_size) {
@@ -63,6 +63,20 @@ void NormalGrid::Resize(double cell_size) {
   for (int i = 0; i < 3; ++i) {
     counts_[i] = static_cast<uint32_t>((bounds_.max[i] - bounds_.min[i]) * per_length_) + 1;
   }
+}
+
+// Of one face, rounded outwards.
+inline NormalGrid::Normals NormalGrid::NormalsOf(uint32_t f) const {
+  const Vec3 area = AreaVector(mesh_.Corner(f, 0), mesh_.Corner(f, 1), mesh_.Corner(f, 2));
+  const double length = Norm(area);
+  Normals own{-128, -128, -128, 0, -128, -128, -128, 0};  // without a direction: every one
+  if (!(length > 0 && std::isfinite(1 / length))) return own;
+  for (int i = 0; i < 3; ++i) {
+    const int component = static_cast<int>(area[i] * (kUnit / length));  // towards zero
+    own[i] = static_cast<int8_t>(std::max(component - 1, -128));
+    own[4 + i] = static_cast<int8_t>(std::max(-component - 1, -128));
+  }
+  return own;
 }
 
 // Monotone in each coordinate, so that a point of a box lies in a cell of the box's range.
@@ -78,18 +92,6 @@ inline NormalGrid::Range NormalGrid::RangeOf(const Vec3& min, const Vec3& max) c
 inline NormalGrid::Range NormalGrid::RangeOfFace(uint32_t f) const {
   const Vec3 &a = mesh_.Corner(f, 0), &b = mesh_.Corner(f, 1), &c = mesh_.Corner(f, 2);
   return RangeOf(Min(Min(a, b), c), Max(Max(a, b), c));
-}
-
-// How many cells the faces meet together; stops counting beyond `most`.
-uint64_t NormalGrid::CountRefs(uint64_t most) const {
-  uint64_t refs = 0;
-  for (uint32_t f = 0; f < mesh_.face_count && refs <= most; ++f) {
-    const Range range = RangeOfFace(f);
-    uint64_t cells = 1;
-    for (int i = 0; i < 3; ++i) cells *= range.last[i] - range.first[i] + 1;
-    refs += cells;
-  }
-  return refs;
 }
 
 template <class Visit>

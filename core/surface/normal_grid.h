@@ -38,8 +38,9 @@ class NormalGrid {
 
   Range RangeOf(const Vec3& min, const Vec3& max) const;
   Range RangeOfFace(uint32_t f) const;
-  uint64_t CountRefs(uint64_t most) const;
+  Normals NormalsOf(uint32_t f) const;
   void Resize(double cell_size);
+  bool Fill(uint64_t most_refs);
   // Calls visit(cell index) until it returns true; whether it did.
   template <class Visit>
   static bool VisitCells(const Range& range, const std::array<uint32_t, 3>& counts, Visit&& visit);

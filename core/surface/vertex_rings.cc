@@ -85,7 +85,7 @@ bool RingCollector::Grow(const VertexRings& rings) {
     for (uint32_t k = begins[vertices[i]]; k < last; ++k) {
       const uint32_t v = neighbours[k];
       vertices[count] = v;
-      count += seen[v] != generation;
+      count += seen[v] < generation;  // or equal
       seen[v] = generation;
     }
   }
