@@ -1,31 +1,70 @@
 #!/usr/bin/env python3
 """Remeshes real models with the command-line client and has every result judged from outside.
 
-    corpus.py                        every model below the data folder, one row each, a summary at the end
+    corpus.py                        every model below the data folder at every rho, one row each, a summary at the end
     corpus.py --rho 0.5,1.0 -j 2 --only bunny,igea
+    corpus.py --generated            the big ones that data/gen makes, at rho 0.5
+    corpus.py --subset               a fixed choice of every class, in minutes
+    corpus.py --worst                the same, and the worst ten rows by each measure
     corpus.py --bars bunny           the issue's table for one model: exit code 1 and the reasons where it is missed
     corpus.py --build-judge          builds the judge where it is missing
 
 Rows go to OUT/rows.jsonl as they come, one JSON object a line; a row that is there already for the same binary and flags is not
-made again, so a broken run goes on where it stopped. Exit code: 0 all well, 1 something is wrong, 77 no data or no judge.
+made again, so a broken run goes on where it stopped, and a run with a longer --timeout tries again what was too slow for a shorter
+one. Exit code: 0 all well, 1 something is wrong, 77 no data or no judge.
 The judge is $MESHFRONT_JUDGE, or build/judge/meshjudge.
+
+What must hold for every row: exit code 0 in time; a manifold, consistently oriented result without degenerate, duplicate or unused
+parts; components, genus, boundary loops and the sign of the volume as in the input; the figures of --stats as the judge has them; no
+self-intersection. Where repair changed the input, the repaired one (--write-repaired) is what the result is judged against, and it
+must be manifold itself. An input that meets itself may do so in the result as well, but only within the result's error bound of
+where the input does. Exit code 3 is right for the models of REFUSED alone.
 """
 import argparse
 import concurrent.futures
 import gzip
 import hashlib
 import json
+import math
 import os
 import pathlib
+import resource
 import shutil
+import signal
 import subprocess
 import sys
+import tempfile
 import threading
 
+import intersections
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-FOLDERS = ["scans", "genus", "cad", "thingi", "open", "assets"]
+FOLDERS = ["scans", "genus", "cad", "open", "thingi", "assets"]
 SUFFIXES = {".off", ".obj", ".ply", ".stl", ".glb", ".gltf"}
 SKIPPED = 77
+# Written into every row: rows that an older harness judged by other rules are made again.
+RULES = 2
+WORST = 10
+# Wall time, in multiples of the limit on CPU time, after which a run counts as hanging.
+HANGS = 5
+
+# Models that may be refused (exit code 3), and why.
+REFUSED = {
+    "open/beetle_binary.off": "binary OFF in the writer's byte order, without a mark: no reader could tell what it holds",
+}
+
+# data/gen/gen_mesh: name of the model -> arguments behind the file's name.
+GENERATED = {
+    "generated/lattice-500k.ply": ("lattice", "500000"),
+    "generated/lattice-2m.ply": ("lattice", "2000000"),
+    "generated/asteroid.ply": ("asteroid", "8"),
+    "generated/parts-1000.ply": ("parts", "1000"),
+    "generated/terrain.ply": ("terrain", "1000"),
+    "generated/torus.ply": ("torus", "500000"),
+}
+
+# For ./tests/run: every class of model, each at one rho.
+SUBSET = []
 
 # The issue's table: model -> [(rho, {what: bar})]. Every result must be manifold, keep components, genus and boundary loops, not
 # intersect itself, and have triangles of this quality.
@@ -46,116 +85,151 @@ BARS = {
 
 
 def run(command, timeout):
-    """(exit code, last line of what it said); the exit code of a run that takes too long is -1."""
-    try:
-        done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace", timeout=timeout)
-    except subprocess.TimeoutExpired:
-        return -1, f"not done after {timeout} s"
-    lines = (done.stderr or done.stdout).strip().splitlines()
-    return done.returncode, lines[-1] if lines else ""
+    """(exit code, first line of what it said beside warnings, seconds of CPU); the exit code of a run that takes too long is -1.
+
+    It is time on the CPU that is limited, so that a busy machine fails nothing; one that hangs is ended as well.
+    """
+    def limited():
+        resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(timeout), math.ceil(timeout) + 1))
+
+    with tempfile.TemporaryFile() as heard:
+        child = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=heard, stderr=subprocess.STDOUT, preexec_fn=limited)
+        late = threading.Event()
+        timer = threading.Timer(HANGS * timeout, lambda: (late.set(), child.kill()))
+        timer.start()
+        _, status, usage = os.wait4(child.pid, 0)
+        timer.cancel()
+        child.returncode = os.waitstatus_to_exitcode(status)
+        heard.seek(0)
+        lines = heard.read().decode(errors="replace").splitlines()
+    cpu = round(usage.ru_utime + usage.ru_stime, 2)
+    if late.is_set() or child.returncode == -signal.SIGXCPU:
+        return -1, f"not done after {cpu:.0f} s on the CPU", cpu
+    said = [line.strip() for line in lines if line.strip() and ": warning: " not in line]
+    return child.returncode, said[0] if said else "", cpu
 
 
-def unpacked(model, work):
-    """The judge does not read gzip."""
-    if model.suffix != ".gz":
-        return model
-    plain = work / model.name[: -len(".gz")]
-    with gzip.open(model, "rb") as packed, open(plain, "wb") as out:
-        shutil.copyfileobj(packed, out)
-    return plain
+def quietly(*command):
+    subprocess.run([str(word) for word in command], check=True, stdin=subprocess.DEVNULL, capture_output=True)
+
+
+class Models:
+    """The files to remesh, by name; the packed ones are unpacked and the generated ones made below OUT when first asked for."""
+
+    def __init__(self, data, out):
+        self.data, self.out, self.lock = data, out, threading.Lock()
+
+    def names(self, only):
+        found = [p.relative_to(self.data).as_posix() for folder in FOLDERS for p in sorted((self.data / folder).rglob("*"))
+                 if p.is_file() and pathlib.Path(p.name.removesuffix(".gz")).suffix.lower() in SUFFIXES]
+        return [name for name in found if not only or any(part in name for part in only)]
+
+    def path(self, name):
+        with self.lock:
+            if name in GENERATED:
+                return self.generated(name)
+            return self.unpacked(name) if name.endswith(".gz") else self.data / name
+
+    def unpacked(self, name):
+        plain = self.out / "unpacked" / name.removesuffix(".gz")
+        if not plain.exists():
+            plain.parent.mkdir(parents=True, exist_ok=True)
+            begun = plain.with_name(plain.name + ".begun")
+            with gzip.open(self.data / name, "rb") as packed, open(begun, "wb") as out:
+                shutil.copyfileobj(packed, out)
+            begun.rename(plain)
+        return plain
+
+    def generated(self, name):
+        made = self.out / name
+        if not made.exists():
+            made.parent.mkdir(parents=True, exist_ok=True)
+            generator, begun = made.parent / "gen_mesh", made.with_name("begun-" + made.name)
+            if not generator.exists():
+                quietly("g++", "-O2", "-std=c++17", "-o", generator, self.data / "gen/gen_mesh.cpp")
+            kind, *more = GENERATED[name]
+            quietly(generator, kind, begun, *more)
+            begun.rename(made)
+        return made
 
 
 class Corpus:
     def __init__(self, options):
         self.options = options
-        self.data = pathlib.Path(options.data)
         self.out = pathlib.Path(options.out)
         self.out.mkdir(parents=True, exist_ok=True)
+        self.models = Models(pathlib.Path(options.data), self.out)
         binary = pathlib.Path(options.meshfront)
         self.version = hashlib.sha256(binary.read_bytes()).hexdigest()[:12]
         self.judge = find_judge()
         self.lock = threading.Lock()
 
-    def models(self):
-        found = [p for folder in FOLDERS for p in sorted((self.data / folder).rglob("*"))
-                 if p.is_file() and pathlib.Path(p.name.removesuffix(".gz")).suffix.lower() in SUFFIXES]
-        names = [n for n in self.options.only.split(",") if n]
-        return [p for p in found if not names or any(n in p.name for n in names)]
-
-    def expected_after_welding(self):
-        """Models whose file repeats vertices, by the manifest."""
-        lines = (self.data / "MANIFEST.tsv").read_text(encoding="utf-8").splitlines()
-        return {line.split("\t")[0] for line in lines if "after welding" in line}
-
     def remesh(self, model, work, rho):
         flags = ["--rho", str(rho), "--eta", str(self.options.eta), "--threads", "1", "--quiet", *self.options.flags.split()]
-        return run([self.options.meshfront, "remesh", str(model), str(work / "out.ply"), "--stats", str(work / "stats.json"), *flags],
-                   self.options.timeout)
+        files = ["--stats", str(work / "stats.json"), "--write-repaired", str(work / "repaired.ply")]
+        return run([self.options.meshfront, "remesh", str(model), str(work / "out.ply"), *files, *flags], self.options.timeout)
 
-    def judged(self, result, reference, work, *flags):
-        code, said = run([self.judge, "report", str(result), "--json", str(work / "judged.json"), *flags,
-                          *(["--ref", str(reference)] if reference else [])], self.options.timeout)
+    def judged(self, result, reference, work):
+        code, said, _ = run([self.judge, "report", str(result), "--ref", str(reference), "--json", str(work / "judged.json")],
+                         self.options.judge_timeout)
         return json.loads((work / "judged.json").read_text()) if code == 0 else said
 
     def row(self, name, rho):
         """One model at one rho: remeshed and judged."""
-        row = {"model": name, "rho": rho, "eta": self.options.eta, "flags": self.options.flags, "binary": self.version}
-        work = self.out / f"{name.replace('/', '_')}@{rho}"
+        row = {"model": name, "rho": rho, "eta": self.options.eta, "flags": self.options.flags, "binary": self.version, "rules": RULES,
+               "timeout": self.options.timeout}
+        work = self.out / "work" / f"{name.replace('/', '_')}@{rho}"
         shutil.rmtree(work, ignore_errors=True)
         work.mkdir(parents=True)
-        model = self.data / name
-        row["exit"], said = self.remesh(model, work, rho)
-        row["problems"] = [] if row["exit"] == 0 else [f"exit code {row['exit']}: {said}"]
+        model = self.models.path(name)
+        row["exit"], said, row["cpu_seconds"] = self.remesh(model, work, rho)
+        said = said.replace(str(work / "out.ply"), "the result").replace(str(model), name)
+        row["problems"] = []
+        if row["exit"] == 3 and name in REFUSED:
+            row["refused"] = said
+        elif row["exit"] != 0:
+            row["problems"].append(f"exit code {row['exit']}: {said[:300]}" if row["exit"] != -1 else said)
         if (work / "out.ply").exists():
-            self.judge_row(row, unpacked(model, work), work)
+            self.judge_row(row, model, work)
         if not self.options.keep:
             shutil.rmtree(work)
         return row
 
-    def judge_row(self, row, reference, work):
-        weld = ["--weld-ref"] if row["model"] in self.expected_after_welding() else []
-        judged = self.judged(work / "out.ply", reference, work, *weld)
+    def judge_row(self, row, model, work):
+        stats = json.loads((work / "stats.json").read_text())
+        row["repairs"] = {repair["what"]: repair["count"] for repair in stats["input"]["repairs"]}
+        judged = self.judged(work / "out.ply", work / "repaired.ply" if row["repairs"] else model, work)
         if isinstance(judged, str):
             row["problems"].append(f"judge: {judged}")
             return
         counts, before, ratio = judged["counts"], judged["reference_counts"], judged["quality"]["radius_ratio"]
-        row.update(triangles=counts["faces"], closed=counts["closed"], manifold=counts["manifold"], genus=counts["genus"],
-                   loops=counts["boundary_loops"], components=counts["components"],
+        row.update(triangles=counts["faces"], input_triangles=before["faces"], closed=counts["closed"], manifold=counts["manifold"],
+                   genus=counts["genus"], loops=counts["boundary_loops"], components=counts["components"],
                    self_intersections=judged["self_intersections"]["pairs"], min=ratio["min"], median=ratio["median"],
-                   hausdorff_pct=judged["distance"]["symmetric_max_pct"], rms_pct=judged["distance"]["forward"]["rms_pct"])
+                   hausdorff_pct=judged["distance"]["symmetric_max_pct"], rms_pct=judged["distance"]["forward"]["rms_pct"],
+                   error_bound=stats["error_bound"], engine_seconds=stats["seconds"]["engine"],
+                   total_seconds=stats["seconds"]["total"], peak_mb=round(stats["peak_rss_bytes"] / 1e6, 1))
         row["p0.5"] = ratio["p0.5"]
-        stats = json.loads((work / "stats.json").read_text())
-        row.update(engine_seconds=stats["seconds"]["engine"], total_seconds=stats["seconds"]["total"],
-                   peak_mb=round(stats["peak_rss_bytes"] / 1e6, 1))
-        self.compare(row, counts, before, reference, work)
-
-    def compare(self, row, counts, before, reference, work):
-        problems = row["problems"]
-        if not counts["manifold"]:
-            problems.append(f"{counts['nonmanifold_edges']} non-manifold edges, {counts['nonmanifold_vertices']} non-manifold vertices")
-        if counts["inconsistent_edges"]:
-            problems.append(f"{counts['inconsistent_edges']} inconsistently oriented edges")
-        sound = before["manifold"] and before["orientable"]
-        for what in ("components", "genus", "boundary_loops"):
-            # What a non-manifold input is after repair is not for the judge to say.
-            if sound and counts[what] != before[what]:
-                problems.append(f"{what} {before[what]} -> {counts[what]}")
-        pairs = row["self_intersections"]
-        if pairs:
-            own = self.judged(reference, None, work)
-            row["input_self_intersections"] = own["self_intersections"]["pairs"] if isinstance(own, dict) else None
-            problems.append(f"{pairs} self-intersections (input: {row['input_self_intersections']})")
+        row["us_per_triangle"] = 1e6 * row["engine_seconds"] / max(1, row["triangles"])
+        row["beyond_bound"] = judged["distance"]["forward"]["max"] > stats["error_bound"]
+        row["problems"] += [*unsound(counts), *unlike(counts, before)]
+        if row["exit"] == 0:
+            row["problems"] += misreported(counts, stats["output"])
+            row["problems"] += new_meetings(row, work)
+        elif row["self_intersections"]:
+            row["problems"].append(f"{row['self_intersections']} self-intersections")
 
     def rows(self, jobs):
         known = {}
         file = self.out / "rows.jsonl"
         for line in file.read_text().splitlines() if file.exists() else []:
             row = json.loads(line)
-            known[tuple(row[k] for k in ("model", "rho", "eta", "flags", "binary"))] = row
+            if row["exit"] == -1 and row["timeout"] < self.options.timeout:
+                continue
+            known[tuple(row.get(k) for k in ("model", "rho", "eta", "flags", "binary", "rules"))] = row
 
         def one(job):
-            key = (*job, self.options.eta, self.options.flags, self.version)
-            row = known.get(key) if not self.options.fresh else None
+            row = known.get((*job, self.options.eta, self.options.flags, self.version, RULES)) if not self.options.fresh else None
             if row is None:
                 row = self.row(*job)
                 with self.lock, open(file, "a", encoding="utf-8") as out:
@@ -168,13 +242,58 @@ class Corpus:
             return list(pool.map(one, jobs))
 
 
+def unsound(counts):
+    """What is wrong with a result whatever the input was."""
+    wrong = ("nonmanifold_edges", "nonmanifold_vertices", "inconsistent_edges", "degenerate_faces", "duplicate_faces",
+             "unreferenced_vertices", "nonfinite_vertices")
+    return [f"{counts[what]} {what}" for what in wrong if counts[what]]
+
+
+def unlike(counts, before):
+    """What is not as it was in the input."""
+    if not (before["manifold"] and before["orientable"]):
+        return [f"the input, as it was meshed, has {before['nonmanifold_edges']} non-manifold edges, {before['nonmanifold_vertices']}"
+                f" non-manifold vertices, {before['inconsistent_edges']} inconsistent edges"]
+    found = [f"{what} {before[what]} -> {counts[what]}" for what in ("components", "genus", "boundary_loops") if counts[what] != before[what]]
+    volumes = [c["signed_volume"] for c in (before, counts)]
+    if None not in volumes and volumes[0] * volumes[1] < 0:
+        found.append("inside out")
+    return found
+
+
+def misreported(counts, told):
+    """Where --stats says of the result what the judge does not."""
+    names = {"faces": "triangles", "components": "components", "boundary_loops": "boundary_loops", "genus": "genus", "closed": "closed",
+             "manifold": "manifold"}
+    return [f"--stats says {mine} {told[mine]}, the judge {counts[its]}" for its, mine in names.items() if counts[its] != told[mine]]
+
+
+def new_meetings(row, work):
+    """Self-intersections of the result that are not within its error bound of the input's."""
+    if not row["self_intersections"]:
+        return []
+    found = intersections.pairs_of(intersections.read_ply(work / "out.ply"))
+    if len(found) != row["self_intersections"]:
+        return [f"{row['self_intersections']} self-intersections, of which {len(found)} have been located"]
+    near = intersections.NearestMeeting(intersections.read_ply(work / "repaired.ply"), row["error_bound"])
+    far = [points for _, _, points in found if max(map(near.distance, points)) > row["error_bound"]]
+    row["new_self_intersections"] = len(far)
+    if not far:
+        return []
+    return [f"{len(far)} of {len(found)} self-intersections are not within {row['error_bound']:.4g} of the input's, the first at "
+            + ", ".join(f"{x:.6g}" for x in far[0][0])]
+
+
 def line_of(row):
     head = f"{row['model']:<36} {row['rho']:<4}"
     if "triangles" in row:
         head += (f" {row['triangles']:>8} tri  q {row['min']:.3f} {row['p0.5']:.3f} {row['median']:.3f}  H {row['hausdorff_pct']:.3f} %"
                  f"  {row['engine_seconds']:.2f} s  {row['peak_mb']:.0f} MB  {'closed' if row['closed'] else str(row['loops']) + ' loops'}"
                  f" genus {row['genus']}")
-    return f"{head}  {'; '.join(row['problems']) or 'ok'}"
+    well = f"refused: {row['refused']}" if "refused" in row else "ok"
+    if row.get("self_intersections") and row.get("new_self_intersections") == 0:
+        well += f", {row['self_intersections']} self-intersections where the input has them"
+    return f"{head}  {'; '.join(row['problems']) or well}"
 
 
 def missed_bars(row, bars):
@@ -208,7 +327,7 @@ def build_judge():
 
 def check_bars(corpus, name):
     model, cases = BARS[name]
-    if not (corpus.data / model).exists():
+    if not (corpus.models.data / model).exists():
         print(f"skipped: no {model}")
         return SKIPPED
     rows = corpus.rows([(model, rho) for rho, _ in cases])
@@ -217,12 +336,32 @@ def check_bars(corpus, name):
     return 1 if missed else 0
 
 
+def chosen(corpus):
+    """(model, rho) of every run, all models at one rho before the next."""
+    if corpus.options.subset:
+        return SUBSET
+    names = list(GENERATED) if corpus.options.generated else corpus.models.names([n for n in corpus.options.only.split(",") if n])
+    rhos = corpus.options.rho or ("0.5" if corpus.options.generated else "0.5,1.0,1.5")
+    return [(name, float(rho)) for rho in rhos.split(",") for name in names]
+
+
+def print_worst(done):
+    for what, title, largest in (("min", "smallest 2r/R", False), ("p0.5", "0.5th percentile of 2r/R", False), ("median", "median 2r/R", False),
+                                 ("hausdorff_pct", "Hausdorff distance, % of the diagonal", True), ("rms_pct", "rms distance, %", True),
+                                 ("us_per_triangle", "microseconds per output triangle", True), ("peak_mb", "peak memory, MB", True)):
+        print(f"\nworst by {title}")
+        for row in sorted(done, key=lambda r: r[what], reverse=largest)[:WORST]:
+            print(f"  {row[what]:>10.4f}  {row['model']} rho {row['rho']}  ({row['input_triangles']} -> {row['triangles']} triangles)")
+
+
 def survey(corpus):
-    rhos = [float(r) for r in corpus.options.rho.split(",")]
-    rows = corpus.rows([(p.relative_to(corpus.data).as_posix(), rho) for p in corpus.models() for rho in rhos])
+    rows = corpus.rows(chosen(corpus))
     wrong = [row for row in rows if row["problems"]]
     done = [row for row in rows if "triangles" in row]
-    print(f"{len(rows)} runs, {len(done)} results, {len(wrong)} with problems; "
+    if corpus.options.worst:
+        print_worst(done)
+    print(f"{len(rows)} runs, {len(done)} results, {sum('refused' in r for r in rows)} refused with reason, {len(wrong)} with problems; "
+          f"{sum(r['beyond_bound'] for r in done)} further from the input than their error bound; "
           f"{sum(r['triangles'] for r in done)} triangles in {sum(r['engine_seconds'] for r in done):.1f} s; "
           f"worst q {min((r['min'] for r in done), default=0):.3f}")
     return 1 if wrong else 0
@@ -233,14 +372,19 @@ def main():
     parser.add_argument("--meshfront", default=str(ROOT / "build/release/bin/meshfront"))
     parser.add_argument("--data", default=str(ROOT.parent / "shared/data"))
     parser.add_argument("--out", default=str(ROOT / "build/corpus"))
-    parser.add_argument("--rho", default="0.5,1.0")
+    parser.add_argument("--rho", help="default: 0.5,1.0,1.5; of the generated ones 0.5")
     parser.add_argument("--eta", type=float, default=1.2)
     parser.add_argument("--flags", default="", help="more flags for meshfront remesh, in one word")
-    parser.add_argument("--only", default="", help="models whose file name contains one of these, separated by commas")
-    parser.add_argument("--bars", choices=sorted(BARS))
-    parser.add_argument("--build-judge", action="store_true")
+    parser.add_argument("--only", default="", help="models whose name contains one of these, separated by commas")
+    what = parser.add_mutually_exclusive_group()
+    what.add_argument("--generated", action="store_true")
+    what.add_argument("--subset", action="store_true")
+    what.add_argument("--bars", choices=sorted(BARS))
+    what.add_argument("--build-judge", action="store_true")
+    parser.add_argument("--worst", action="store_true")
     parser.add_argument("-j", "--jobs", type=int, default=1)
-    parser.add_argument("--timeout", type=float, default=300, help="seconds for one remeshing or judging")
+    parser.add_argument("--timeout", type=float, default=120, help="seconds of CPU for one remeshing")
+    parser.add_argument("--judge-timeout", type=float, default=600, help="seconds of CPU for judging one result")
     parser.add_argument("--fresh", action="store_true", help="make rows again that are there")
     parser.add_argument("--keep", action="store_true", help="keep the results, below OUT")
     options = parser.parse_args()
