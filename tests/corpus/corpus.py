@@ -45,6 +45,8 @@ SKIPPED = 77
 # Written into every row: rows that an older harness judged by other rules are made again.
 RULES = 2
 WORST = 10
+# How far from a new self-intersection one of the input's is looked for, in multiples of the error bound.
+SEARCHED = 4
 # Wall time, in multiples of the limit on CPU time, after which a run counts as hanging.
 HANGS = 5
 
@@ -299,13 +301,17 @@ def new_meetings(row, work):
     found = intersections.pairs_of(intersections.read_ply(work / "out.ply"))
     if len(found) != row["self_intersections"]:
         return [f"{row['self_intersections']} self-intersections, of which {len(found)} have been located"]
-    near = intersections.NearestMeeting(intersections.read_ply(work / "repaired.ply"), row["error_bound"])
-    far = [points for _, _, points in found if max(map(near.distance, points)) > row["error_bound"]]
+    bound = row["error_bound"]
+    near = intersections.NearestMeeting(intersections.read_ply(work / "repaired.ply"), SEARCHED * bound)
+    away = [(max(map(near.distance, points)), points[0]) for _, _, points in found]
+    far = [place for place in away if place[0] > bound]
     row["new_self_intersections"] = len(far)
     if not far:
         return []
-    return [f"{len(far)} of {len(found)} self-intersections are not within {row['error_bound']:.4g} of the input's, the first at "
-            + ", ".join(f"{x:.6g}" for x in far[0][0])]
+    distance, point = max(far)
+    most = f"{distance / bound:.2f} of it" if math.isfinite(distance) else f"more than {SEARCHED} of it"
+    return [f"{len(far)} of {len(found)} self-intersections are not within {bound:.4g} of the input's, the furthest {most} away, at "
+            + ", ".join(f"{x:.6g}" for x in point)]
 
 
 def line_of(row):
