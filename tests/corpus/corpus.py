@@ -90,6 +90,7 @@ SUBSET = [
     ("assets/Duck_gltf/Duck.gltf", 1.0),         # in three files
     ("assets/BoxVertexColors.glb", 0.5),         # 12 triangles
     ("assets/texturedknot.obj", 1.0),
+    ("generated/lattice-500k.ply", 0.5),         # genus 48
 ]
 
 # The table: model -> [(rho, {what: bar})]. Every result must be manifold, keep components, genus and boundary loops, not
