@@ -1,8 +1,8 @@
 // 1. CheckSize       a scale at which squares and fourth powers stay in the range of double
 // 2. Mend            repair, or refuse what would need it
 // 3. the surface     adjacency, normals, curvature
-// 4. SizeSamples     curvature → ideal lengths, bounded by thickness, by the component's size and by the clamps
-// 5. the field, the initial fronts, the predicted count
+// 4. MakeField       curvature → the guidance field, at the parameter given or the one that makes the count wanted
+// 5. the initial fronts
 #include "core/preparation.h"
 
 #include <algorithm>
@@ -12,19 +12,17 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/status_macros.h"
 #include "core/features/boundary.h"
-#include "core/guidance/prediction.h"
+#include "core/field_builder.h"
 #include "core/guidance/sizing.h"
 
 namespace meshfront {
 namespace {
 
-// Edges of a component are at most this part of its box's diagonal: a tetrahedron's worth.
-constexpr double kMaxEdgePerComponent = 0.25;
 // Edges are at least this part of the diagonal of the input and of that of its smallest component.
 constexpr double kMinEdgePerDiagonal = 1e-5;
 constexpr double kMinEdgePerComponent = 0.01;
-// Twice the fence height stays below the distance to the other sheet: h = 2ε, so ε is at most a quarter of it.
-constexpr double kErrorPerSheetDistance = 0.25;
+// The error bound where it is held constant and not given: 0.1 %.
+constexpr double kMaxErrorPerDiagonal = 1e-3;
 // Outside this range of sizes the input is scaled by a power of two, which changes no significant bit.
 constexpr double kMinDiagonal = 1e-30, kMaxDiagonal = 1e30;
 
@@ -61,26 +59,9 @@ absl::Status Mend(TriangleMesh& mesh, bool repair, InputReport& report, std::opt
   return absl::OkStatus();
 }
 
-std::vector<double> ComponentDiagonals(const MeshSurface& surface) {
-  std::vector<Box3> boxes(surface.component_count());
-  const TriangleMesh& mesh = surface.mesh();
-  for (uint32_t f = 0; f < mesh.triangles.size(); ++f) {
-    for (const VertexId v : mesh.triangles[f]) boxes[surface.ComponentOf(FaceId(f))].Extend(mesh.PositionAt(v));
-  }
-  std::vector<double> diagonals;
-  for (const Box3& box : boxes) diagonals.push_back(box.Diagonal());
-  return diagonals;
-}
-
 double Resolve(const std::optional<Length>& length, double diagonal, double scale, double otherwise) {
   if (!length) return otherwise;
   return length->relative ? length->value * diagonal : length->value * scale;
-}
-
-// The ideal length at a curvature before thickness and clamps.
-double IdealLengthFor(const RemeshOptions& options, double edge_length, double max_curvature) {
-  // Uniform means g ≡ L, and g is l/η at a sample (eq. 5).
-  return options.sizing == Sizing::kUniform ? edge_length * options.eta : IdealLength(options.rho, max_curvature);
 }
 
 absl::Status SetClamps(const RemeshOptions& options, const std::vector<double>& component_diagonals, Preparation& p) {
@@ -100,51 +81,63 @@ absl::Status SetClamps(const RemeshOptions& options, const std::vector<double>& 
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::vector<SizingSample>> SizeSamples(const RemeshOptions& options, double edge_length,
-                                                      const std::vector<double>& component_diagonals, Preparation& p,
-                                                      const Context& context) {
-  const MeshSurface& surface = *p.surface;
-  const auto ideal_length = [&](double max_curvature) {
-    return std::clamp(IdealLengthFor(options, edge_length, max_curvature), p.parameters.min_edge,
-                      p.parameters.max_edge);
-  };
-  MESHFRONT_ASSIGN_OR_RETURN(const std::vector<CurvatureSample> places,
-                             surface.CurvatureSamples(ideal_length, true, context));
-  std::vector<double> longest(surface.mesh().positions.size(), 0);
-  for (uint32_t f = 0; f < surface.mesh().triangles.size(); ++f) {
-    for (const VertexId v : surface.mesh().triangles[f]) {
-      longest[v.index()] = kMaxEdgePerComponent * component_diagonals[surface.ComponentOf(FaceId(f))];
-    }
+// The sizing's one parameter, absolute and in the surface's scale.
+double ParameterOf(const RemeshOptions& options, const Preparation& p) {
+  const double diagonal = p.input.diagonal * p.scale;
+  switch (options.sizing) {
+    case Sizing::kError:
+      return Resolve(options.max_error, diagonal, p.scale, kMaxErrorPerDiagonal * diagonal);
+    case Sizing::kUniform:
+      return Resolve(options.edge_length, diagonal, p.scale, 0);
+    case Sizing::kAngle:
+      break;
   }
-  std::vector<SizingSample> samples;
-  samples.reserve(places.size());
-  for (size_t i = 0; i < places.size(); ++i) {
-    const CurvatureSample& place = places[i];
-    const double wanted = IdealLengthFor(options, edge_length, place.max_curvature);
-    double length =
-        std::min(wanted, LengthForError(kErrorPerSheetDistance * place.sheet_distance, place.max_curvature));
-    if (i < longest.size() && !options.max_edge && options.sizing != Sizing::kUniform)
-      length = std::min(length, longest[i]);
-    length = std::clamp(length, p.parameters.min_edge, p.parameters.max_edge);
-    p.parameters.clamped_samples += std::isfinite(wanted) && length != wanted;
-    samples.push_back({place.position, length});
-  }
-  MESHFRONT_ASSIGN_OR_RETURN(const std::vector<SizingSample> rim,
-                             BoundarySizingSamples(surface, ideal_length, context));
-  samples.insert(samples.end(), rim.begin(), rim.end());
-  return samples;
+  return options.rho;
+}
+
+// Says in the options in force what the parameter is, in the input's scale.
+void SetParameter(double parameter, const Preparation& p, RemeshOptions& options) {
+  if (options.sizing == Sizing::kAngle) options.rho = parameter;
+  if (options.sizing == Sizing::kError) options.max_error = Length{parameter / p.scale, false};
+  if (options.sizing == Sizing::kUniform) options.edge_length = Length{parameter / p.scale, false};
+}
+
+absl::Status MakeField(Preparation& p, const Context& context) {
+  RemeshOptions& options = p.parameters.options;
+  const SizingLimits limits{options.sizing, options.eta, p.parameters.min_edge, p.parameters.max_edge,
+                            options.max_edge.has_value()};
+  FieldBuilder builder(*p.surface, limits);
+  absl::StatusOr<SizedField> sized = options.target_triangles
+                                         ? builder.BuildForCount(*options.target_triangles, context)
+                                         : builder.Build(ParameterOf(options, p), context);
+  if (!sized.ok()) return sized.status();
+  p.parameter = sized->parameter;
+  p.predicted_triangles = sized->predicted_triangles;
+  p.parameters.clamped_samples = sized->clamped_samples;
+  p.parameters.target_triangles = options.target_triangles.value_or(0);
+  options.target_triangles.reset();
+  SetParameter(p.parameter, p, options);
+  p.field = std::move(sized->field);
+  return absl::OkStatus();
 }
 
 }  // namespace
 
-double ErrorBoundInForce(const ParametersInForce& parameters, double length, double max_curvature) {
-  if (parameters.options.sizing == Sizing::kUniform) return ErrorBound(length, max_curvature);
-  return length * ErrorPerLength(parameters.options.rho);
+double ErrorBoundInForce(const Preparation& p, double length, double max_curvature) {
+  switch (p.parameters.options.sizing) {
+    case Sizing::kError:  // unless edges may not be so short
+      return std::max(p.parameter, ErrorBound(std::min(length, p.parameters.min_edge), max_curvature));
+    case Sizing::kUniform:
+      return ErrorBound(length, max_curvature);
+    case Sizing::kAngle:
+      break;
+  }
+  return length * ErrorPerLength(p.parameters.options.rho);
 }
 
 absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {
   MESHFRONT_RETURN_IF_ERROR(ValidateOptions(problem.options));
-  const RemeshOptions& options = problem.options;
+  const RemeshOptions options = problem.options;
   Preparation p;
   p.parameters.options = options;
   Stopwatch watch;
@@ -162,8 +155,7 @@ absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {
 
   context.Report({Stage::kIndex});
   MESHFRONT_ASSIGN_OR_RETURN(p.surface, MeshSurface::Create(std::move(problem.mesh), std::move(adjacency), context));
-  const std::vector<double> component_diagonals = ComponentDiagonals(*p.surface);
-  MESHFRONT_RETURN_IF_ERROR(SetClamps(options, component_diagonals, p));
+  MESHFRONT_RETURN_IF_ERROR(SetClamps(options, ComponentDiagonals(*p.surface), p));
   p.seconds.index = watch.Lap();
 
   context.Report({Stage::kCurvature});
@@ -171,13 +163,7 @@ absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {
   p.seconds.curvature = watch.Lap();
 
   context.Report({Stage::kGuidance});
-  const double edge_length = Resolve(options.edge_length, p.input.diagonal * p.scale, p.scale, 0);
-  MESHFRONT_ASSIGN_OR_RETURN(std::vector<SizingSample> samples,
-                             SizeSamples(options, edge_length, component_diagonals, p, context));
-  const GuidanceOptions field_options{options.eta, p.parameters.min_edge, p.parameters.max_edge};
-  MESHFRONT_ASSIGN_OR_RETURN(p.field, GuidanceField::Create(std::move(samples), field_options, context));
-  const FaceSpans faces{p.surface->mesh().positions, p.surface->mesh().triangles};
-  MESHFRONT_ASSIGN_OR_RETURN(p.predicted_triangles, PredictTriangles(faces, *p.field, context));
+  MESHFRONT_RETURN_IF_ERROR(MakeField(p, context));
   p.seconds.guidance = watch.Lap();
 
   context.Report({Stage::kFeatures});

@@ -21,14 +21,15 @@ struct Preparation {
   std::optional<GuidanceField> field;
   std::vector<OrientedLoop> loops;
   std::vector<SourcePoint> seeds;
+  double parameter = 0;  // the sizing's: rho, or the error bound or median edge in the surface's scale
   double predicted_triangles = 0;
   double scale = 1;  // the surface is the input times this power of two
   StageSeconds seconds;
 };
 
-// The error bound of eq. 7 for edges of `length` at these parameters: with the angle in force, so that a clamp or a uniform
-// length is bounded by what it is.
-double ErrorBoundInForce(const ParametersInForce& parameters, double length, double max_curvature);
+// The error bound of eq. 7 for edges of `length` at the parameters in force: with the angle in force, so that a uniform length is
+// bounded by what it is; where the error is held constant, that.
+double ErrorBoundInForce(const Preparation& preparation, double length, double max_curvature);
 
 // The stages up to the first triangle. Same errors as Remesh.
 absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context);

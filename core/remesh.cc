@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <thread>
 
@@ -10,11 +11,14 @@
 #include "core/base/status_macros.h"
 #include "core/front/advancing_front.h"
 #include "core/geometry/triangle.h"
+#include "core/guidance/prediction.h"
 #include "core/guidance/sizing.h"
 #include "core/preparation.h"
 
 namespace meshfront {
 namespace {
+
+constexpr uint64_t kMinTargetTriangles = 4;  // a tetrahedron
 
 using Clock = std::chrono::steady_clock;
 
@@ -45,6 +49,29 @@ absl::Status CheckLength(absl::string_view field, const std::optional<Length>& l
   if (!length || (std::isfinite(length->value) && length->value > 0)) return absl::OkStatus();
   return absl::InvalidArgumentError(
       absl::StrCat("options.", field, " is ", length->value, "; it must be finite and positive"));
+}
+
+// That the one parameter of the sizing, and no other, is there.
+absl::Status CheckSizing(const RemeshOptions& o) {
+  if (o.sizing != Sizing::kError && o.max_error) {
+    return absl::InvalidArgumentError("options.max_error is set; it needs options.sizing to be error");
+  }
+  if (o.sizing != Sizing::kUniform && o.edge_length) {
+    return absl::InvalidArgumentError("options.edge_length is set; it needs options.sizing to be uniform");
+  }
+  if (!o.target_triangles) {
+    if (o.sizing != Sizing::kUniform || o.edge_length) return absl::OkStatus();
+    return absl::InvalidArgumentError(
+        "options.sizing is uniform; it needs options.edge_length or options.target_triangles");
+  }
+  if (*o.target_triangles < kMinTargetTriangles) {
+    return absl::InvalidArgumentError(absl::StrCat("options.target_triangles is ", *o.target_triangles,
+                                                   "; it must be at least ", kMinTargetTriangles));
+  }
+  if (!o.max_error && !o.edge_length) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat("options.target_triangles is set beside options.",
+                                                 o.max_error ? "max_error" : "edge_length",
+                                                 "; they exclude one another"));
 }
 
 int ThreadsInForce(const Context& context) {
@@ -91,19 +118,11 @@ absl::Status ValidateOptions(const RemeshOptions& o) {
   if (!(o.eta > 1 && o.eta < 2)) {
     return absl::InvalidArgumentError(absl::StrCat("options.eta is ", o.eta, "; it must be in (1, 2)"));
   }
+  MESHFRONT_RETURN_IF_ERROR(CheckLength("max_error", o.max_error));
   MESHFRONT_RETURN_IF_ERROR(CheckLength("edge_length", o.edge_length));
   MESHFRONT_RETURN_IF_ERROR(CheckLength("min_edge", o.min_edge));
   MESHFRONT_RETURN_IF_ERROR(CheckLength("max_edge", o.max_edge));
-  if (o.sizing == Sizing::kError) {
-    return absl::InvalidArgumentError("options.sizing is error; this sizing is not supported yet");
-  }
-  if (o.sizing == Sizing::kUniform && !o.edge_length) {
-    return absl::InvalidArgumentError("options.sizing is uniform; it needs options.edge_length");
-  }
-  if (o.sizing != Sizing::kUniform && o.edge_length) {
-    return absl::InvalidArgumentError("options.edge_length is set; it needs options.sizing to be uniform");
-  }
-  return absl::OkStatus();
+  return CheckSizing(o);
 }
 
 absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& context) {
@@ -118,7 +137,8 @@ absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& co
                              o.fit,
                              error_per_length,
                              static_cast<uint64_t>(std::min(p.predicted_triangles, 1e18)),
-                             LongestAxis(p.surface->mesh())};
+                             LongestAxis(p.surface->mesh()),
+                             o.sizing == Sizing::kError ? p.parameter : std::numeric_limits<double>::infinity()};
   MESHFRONT_ASSIGN_OR_RETURN(const FrontReport front,
                              AdvanceFront(*p.surface, *p.field, p.loops, p.seeds, options, outgoing, context));
   Report report;
@@ -127,7 +147,7 @@ absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& co
   report.predicted_triangles = options.predicted_triangles;
   const auto curvatures = p.surface->vertex_curvatures();
   const double peak = curvatures.empty() ? 0 : *std::max_element(curvatures.begin(), curvatures.end());
-  report.error_bound = ErrorBoundInForce(p.parameters, front.longest_edge, peak);
+  report.error_bound = ErrorBoundInForce(p, front.longest_edge, peak);
   report.output = OutputTopology(front);
   report.complete = front.open_places.empty();
   report.open_places = front.open_places;
@@ -167,15 +187,15 @@ absl::StatusOr<Estimate> EstimateRemesh(Problem problem, const Context& context)
     total += weight;
     double peak = 0;
     for (const VertexId v : t) peak = std::max(peak, p.surface->vertex_curvatures()[v.index()]);
-    bound = std::max(bound, ErrorBoundInForce(p.parameters, g, peak));
+    bound = std::max(bound, ErrorBoundInForce(p, g, peak));
   }
   std::sort(lengths.begin(), lengths.end());
-  estimate.edge_min = lengths.front().first / p.scale;
+  estimate.edge_min = kMedianEdgePerGuidance * lengths.front().first / p.scale;
   estimate.edge_max = lengths.back().first / p.scale;
   double below = 0;
   for (const auto& [g, weight] : lengths) {
     below += weight;
-    estimate.edge_median = g / p.scale;
+    estimate.edge_median = kMedianEdgePerGuidance * g / p.scale;
     if (below >= 0.5 * total) break;
   }
   estimate.error_bound = bound / p.scale;

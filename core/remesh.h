@@ -29,8 +29,13 @@ struct RemeshOptions {
   double rho = 0.8;  // angle an edge subtends, radians, (0, 2π/3]
   double eta = 1.2;  // bound on the ratio of incident edges, (1, 2)
   Sizing sizing = Sizing::kAngle;
-  std::optional<Length> edge_length;  // the ideal length everywhere; only with Sizing::kUniform
-  std::optional<Length> min_edge;     // clamp of the edge length
+  std::optional<Length>
+      max_error;  // distance of the output from the surface; only with Sizing::kError; 0.1 % of the diagonal
+  std::optional<Length> edge_length;  // the median edge; only with Sizing::kUniform, which needs it or target_triangles
+  // Solves for the one parameter of the sizing (rho, max_error or edge_length, which must not be set then; rho's value is
+  // ignored) so that about this many triangles come out, ≥ 4.
+  std::optional<uint64_t> target_triangles;
+  std::optional<Length> min_edge;  // clamp of the edge length
   std::optional<Length> max_edge;
   bool flips = true;   // edge flips behind the front
   bool smooth = true;  // guarded smoothing and optimisation behind the front
@@ -54,7 +59,8 @@ struct InputReport {
 
 // The parameters in force after defaults and clamps were derived.
 struct ParametersInForce {
-  RemeshOptions options;
+  RemeshOptions options;              // lengths absolute, the sizing's parameter solved for, no target
+  uint64_t target_triangles = 0;      // that it was solved for; 0: none
   double min_edge = 0, max_edge = 0;  // absolute
   uint64_t clamped_samples = 0;       // sizing samples that a clamp changed
 };
@@ -67,7 +73,8 @@ struct Report {
   InputReport input;
   ParametersInForce parameters;
   uint64_t predicted_triangles = 0;
-  double error_bound = 0;  // eq. 7 with the longest edge and the angle in force, absolute
+  double error_bound =
+      0;  // eq. 7 with the longest edge and the angle in force, absolute; max_error where that is held constant
   TopologyReport output;
   bool complete = true;  // false: open_places lists where the mesh could not be closed
   std::vector<Vec3> open_places;

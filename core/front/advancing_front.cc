@@ -82,7 +82,8 @@ class AdvancingFront {
         context_(context),
         fences_(fronts_),
         proposer_(surface, fronts_, fences_),
-        window_(surface, fronts_, {options.flips, options.smooth, options.fit, options.error_per_length}, sink) {}
+        window_(surface, fronts_,
+                {options.flips, options.smooth, options.fit, options.error_per_length, options.max_error}, sink) {}
 
   absl::StatusOr<FrontReport> Run(const std::vector<OrientedLoop>& loops, const std::vector<SourcePoint>& seeds);
 

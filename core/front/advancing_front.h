@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,6 +27,7 @@ struct FrontOptions {
   Vec3 sweep{
       1, 0,
       0};  // the direction in which the working areas follow each other; best the one in which the surface is longest
+  double max_error = std::numeric_limits<double>::infinity();  // absolute: the fit keeps each triangle within it, too
 };
 
 struct FrontReport {

@@ -251,8 +251,8 @@ void SettlingWindow::FitVertex(WindowVertexId id) {
   denominator += 0.05 * total_area;
   if (!(denominator > 0)) return;
   const double offset = Dot(v.position - v.source.position, n) + numerator / denominator;
-  const double limit =
-      std::min(kMaxFitPerLength * spoke, kFitPerErrorBound * options_.error_per_length * std::sqrt(least_edge2));
+  const double bound = std::min(options_.max_error, options_.error_per_length * std::sqrt(least_edge2));
+  const double limit = std::min(kMaxFitPerLength * spoke, kFitPerErrorBound * bound);
   const Vec3 target = v.source.position + std::clamp(offset, -limit, limit) * n;
   const double before = WorstAround(v.position, n, RadiusRatio), after = WorstAround(target, n, RadiusRatio);
   if (after >= kFitMayLoseQuality * before && after >= 0) v.position = target;

@@ -2,6 +2,7 @@
 // operations, audited, and then leave for the sink, for good.
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -15,6 +16,7 @@ namespace meshfront {
 struct SettlingOptions {
   bool flips = true, smooth = true, fit = true;
   double error_per_length = 1;  // of the longest edge of each triangle: the fit moves no vertex farther than that
+  double max_error = std::numeric_limits<double>::infinity();  // … nor farther than that, absolute
 };
 
 // Totals over everything that has left the window.

@@ -80,31 +80,38 @@ absl::Status MeshSurface::ComputeCurvature(const Context& context) {
   return absl::OkStatus();
 }
 
-absl::Status MeshSurface::MeasureThickness(absl::Span<const double> ideal_lengths,
-                                           std::vector<CurvatureSample>& samples, const Context& context) const {
+absl::StatusOr<std::vector<double>> MeshSurface::SheetDistances(
+    absl::FunctionRef<double(double max_curvature)> ideal_length, const Context& context) const {
+  if (!has_curvature_) return absl::FailedPreconditionError("the curvature must be computed before it is sampled");
   const double longest = kThicknessOfDiagonal * BoundingBox(mesh_, adjacency_).Diagonal();
-  std::vector<double> limits(ideal_lengths.size());
-  for (size_t v = 0; v < limits.size(); ++v) limits[v] = std::min(kThicknessOfLength * ideal_lengths[v], longest);
-  MESHFRONT_ASSIGN_OR_RETURN(const std::vector<double> distances,
-                             MeasureSheetDistances(mesh_, adjacency_, normals_, limits, context));
-  size_t i = 0;
-  for (size_t v = 0; v < distances.size(); ++v) {
-    if (adjacency_.outgoing[v] != kNoHalfEdge) samples[i++].sheet_distance = distances[v];
+  std::vector<double> limits(curvatures_.size());
+  for (size_t v = 0; v < limits.size(); ++v) {
+    limits[v] = std::min(kThicknessOfLength * ideal_length(curvatures_[v]), longest);
   }
-  return absl::OkStatus();
+  return MeasureSheetDistances(mesh_, adjacency_, normals_, limits, context);
 }
 
 absl::StatusOr<std::vector<CurvatureSample>> MeshSurface::CurvatureSamples(
     absl::FunctionRef<double(double max_curvature)> ideal_length, bool with_thickness, const Context& context) const {
+  std::vector<double> distances;
+  if (with_thickness) {
+    MESHFRONT_ASSIGN_OR_RETURN(distances, SheetDistances(ideal_length, context));
+  }
+  return CurvatureSamples(ideal_length, distances, context);
+}
+
+absl::StatusOr<std::vector<CurvatureSample>> MeshSurface::CurvatureSamples(
+    absl::FunctionRef<double(double max_curvature)> ideal_length, absl::Span<const double> sheet_distances,
+    const Context& context) const {
   if (!has_curvature_) return absl::FailedPreconditionError("the curvature must be computed before it is sampled");
   std::vector<double> ideal_lengths(curvatures_.size());
   for (size_t v = 0; v < curvatures_.size(); ++v) ideal_lengths[v] = ideal_length(curvatures_[v]);
   std::vector<CurvatureSample> samples;
   samples.reserve(mesh_.positions.size());
   for (size_t v = 0; v < mesh_.positions.size(); ++v) {
-    if (adjacency_.outgoing[v] != kNoHalfEdge) samples.push_back({mesh_.positions[v], curvatures_[v], INFINITY});
+    if (adjacency_.outgoing[v] == kNoHalfEdge) continue;
+    samples.push_back({mesh_.positions[v], curvatures_[v], sheet_distances.empty() ? INFINITY : sheet_distances[v]});
   }
-  if (with_thickness) MESHFRONT_RETURN_IF_ERROR(MeasureThickness(ideal_lengths, samples, context));
   Densifier densifier(mesh_, curvatures_, ideal_lengths, samples);
   for (uint32_t f = 0; f < mesh_.triangles.size(); ++f) {
     if (f % kCheckEvery == 0) MESHFRONT_RETURN_IF_ERROR(context.CheckStop());

@@ -71,6 +71,13 @@ class MeshSurface final : public Surface {
   // FailedPrecondition before ComputeCurvature. `ideal_length` is called from one thread.
   absl::StatusOr<std::vector<CurvatureSample>> CurvatureSamples(
       absl::FunctionRef<double(double max_curvature)> ideal_length, bool with_thickness, const Context& context) const;
+  // The two parts of it, for callers that sample more than once: the distances of every vertex, and the samples with these
+  // (empty: none was measured).
+  absl::StatusOr<std::vector<double>> SheetDistances(absl::FunctionRef<double(double max_curvature)> ideal_length,
+                                                     const Context& context) const;
+  absl::StatusOr<std::vector<CurvatureSample>> CurvatureSamples(
+      absl::FunctionRef<double(double max_curvature)> ideal_length, absl::Span<const double> sheet_distances,
+      const Context& context) const;
 
   // Surface: see there. FindApex below 1 µs, Snap below 0.5 µs where edges are up to five of the input long.
   std::optional<SourcePoint> FindApex(const SourcePoint& a, const SourcePoint& b, double radius_a,
@@ -85,9 +92,6 @@ class MeshSurface final : public Surface {
  private:
   MeshSurface(TriangleMesh mesh, FaceAdjacency adjacency);
   FaceView View() const;
-  // Sets the sheet_distance of the samples at the vertices, in their order.
-  absl::Status MeasureThickness(absl::Span<const double> ideal_lengths, std::vector<CurvatureSample>& samples,
-                                const Context& context) const;
   SourcePoint Place(const FaceHit& hit) const;
   uint32_t FaceOf(const SourcePoint& p) const { return p.patch < mesh_.triangles.size() ? p.patch : 0; }
 

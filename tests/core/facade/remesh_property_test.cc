@@ -176,15 +176,6 @@ TEST(RemeshSizing, NeverExceedsTheLongestEdgeAsked) {
   EXPECT_GT(out.mesh.triangles.size(), 700u);  // 4 / (√3/4 · 0.1²) is 924
 }
 
-TEST(RemeshSizing, PredictsTheNumberOfTriangles) {
-  for (const ZooShape& shape : SmoothZoo()) {
-    SCOPED_TRACE(shape.name);
-    const Outcome out = RemeshOrFail(shape.make(), WithRhoEta(0.4, 1.2));
-    EXPECT_NEAR(static_cast<double>(out.report.predicted_triangles), static_cast<double>(out.mesh.triangles.size()),
-                0.25 * static_cast<double>(out.mesh.triangles.size()));
-  }
-}
-
 // Ends of the edges with one triangle.
 std::vector<std::pair<Vec3, Vec3>> RimEdges(const TriangleMesh& mesh) {
   std::map<std::pair<VertexId, VertexId>, int> uses;

@@ -28,6 +28,23 @@ TEST(Prediction, CountsEquilateralTrianglesOfAUniformField) {
   for (int n : {1, 10, 100}) EXPECT_NEAR(Predict(testing::Sheet(n), FieldOf({}, 0.1)), expected, 1e-9 * expected);
 }
 
+TEST(Prediction, ExpectsMoreWhereTheFieldIsSteepAndFewerWhereEdgesBend) {
+  EXPECT_EQ(TrianglesPerIdealTriangle(0, 0), kTrianglesPerIdealTriangle);
+  EXPECT_GT(TrianglesPerIdealTriangle(0, 0.02), TrianglesPerIdealTriangle(0, 0.01));
+  EXPECT_LT(TrianglesPerIdealTriangle(0.8, 0), TrianglesPerIdealTriangle(0.4, 0));
+  EXPECT_EQ(TrianglesPerIdealTriangle(1e9, 0), TrianglesPerIdealTriangle(2, 0));  // no edge subtends more than 2π/3
+  EXPECT_GT(TrianglesPerIdealTriangle(1e9, 0), 0);
+}
+
+TEST(Prediction, EvaluatesTheFieldBetweenTheCornersOfAFaceToo) {
+  // A pit at every vertex of a sheet whose edges are as long as g: in the middle of a face g is higher by slope · distance.
+  const TriangleMesh coarse = testing::Sheet(40), fine = testing::Sheet(400);
+  std::vector<SizingSample> pits;
+  for (const Vec3& p : coarse.positions) pits.push_back({p, 0.06});
+  const GuidanceField field = FieldOf(std::move(pits), 2);
+  EXPECT_NEAR(Predict(coarse, field) / Predict(fine, field), 1, 0.01);
+}
+
 TEST(Prediction, SeesASmallFeatureInsideALargeFace) {
   // One fine sample in the middle of one face of two: the same count as on a mesh that resolves it.
   const GuidanceField field = FieldOf({{{0.3, -0.4, 0}, 0.01}}, 2);

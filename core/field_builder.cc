@@ -1,0 +1,229 @@
+// Build: 1. thickness, where it was not measured for edges as long (MeasureThickness); 2. curvature → ideal lengths, bounded by
+// thickness, by the component's size and by the clamps (Samples); 3. the field and its predicted count.
+// BuildForCount: a secant on (log parameter, log count), which the paper's scaling makes almost a line, from the count that the
+// curvature alone suggests (FirstGuess), kept inside the bracket that is known.
+// Rejected: bisection, which builds ten fields for the same.
+#include "core/field_builder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
+#include "core/features/boundary.h"
+#include "core/geometry/triangle.h"
+#include "core/guidance/prediction.h"
+#include "core/guidance/sizing.h"
+
+namespace meshfront {
+namespace {
+
+// Twice the fence height stays below the distance to the other sheet: h = 2ε, so ε is at most a quarter of it.
+constexpr double kErrorPerSheetDistance = 0.25;
+constexpr double kCountTolerance = 0.003;  // a tenth of what is promised of the real count
+constexpr double kReachable = 0.01;        // farther from the count than this, at the end of the range, it is refused
+constexpr int kMaxSteps = 24;
+constexpr double kMaxStep = 1.5;     // of the parameter's logarithm
+constexpr double kSameCount = 1e-4;  // of the count's logarithm: the parameter has lost its influence
+constexpr double kThicknessHeadroom = 1.5;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// How the count follows the parameter: as its power with this exponent, were there no grading. The grading makes it slower.
+double ExponentOf(Sizing sizing) { return sizing == Sizing::kError ? -1 : -2; }
+constexpr double kGradedPart = 0.75;
+
+// Where the distance is held constant fields have wider plateaus, and the front makes more of their slopes than the prediction
+// tells: fitted like the rest of it.
+double CountFactorOf(Sizing sizing) { return sizing == Sizing::kError ? 1.01 : 1; }
+
+// The parameter's largest value; beyond, nothing changes.
+double LargestParameter(const SizingLimits& limits) {
+  switch (limits.sizing) {
+    case Sizing::kAngle:
+      return 2 * std::numbers::pi / 3;
+    case Sizing::kError:
+      return limits.max_edge;  // far beyond what an edge of that length can be off
+    case Sizing::kUniform:
+      break;
+  }
+  return limits.max_edge;
+}
+
+// Finds the root of a falling function on a line, known at a growing number of places; the line ends at `last` on the right.
+class CountSearch {
+ public:
+  CountSearch(double log_target, double exponent, double last)
+      : log_target_(log_target), exponent_(exponent), slope_(kGradedPart * exponent), last_(last) {}
+
+  // Takes in what the count is at a place, and says where to try next.
+  double Next(double place, double log_count) {
+    if (std::isfinite(place_)) {
+      slope_ = std::clamp((log_count - log_count_) / (place - place_), 2 * exponent_, 0.02 * exponent_);
+      has_stopped_ = std::abs(log_count - log_count_) < kSameCount * std::abs(place - place_);
+    }
+    place_ = place, log_count_ = log_count;
+    (log_count > log_target_ ? left_ : right_) = place;
+    const double next = std::min(last_, place + std::clamp((log_target_ - log_count) / slope_, -kMaxStep, kMaxStep));
+    if ((next > left_ && next < right_) || std::isinf(left_) || std::isinf(right_)) return next;
+    return 0.5 * (left_ + right_);
+  }
+  // The place has lost its influence on the count, or there is no other on the side where the target lies.
+  bool IsExhausted() const { return has_stopped_ || (place_ >= last_ && log_count_ > log_target_); }
+
+ private:
+  double log_target_, exponent_, slope_, last_;
+  double left_ = -kInfinity, right_ = kInfinity;  // places with more, and with fewer
+  double place_ = kInfinity, log_count_ = 0;
+  bool has_stopped_ = false;
+};
+
+absl::Status Unreachable(uint64_t count, double nearest) {
+  return absl::InvalidArgumentError(
+      absl::StrCat("options.target_triangles is ", count, "; with the other options as they are this surface takes at ",
+                   nearest > static_cast<double>(count) ? "least " : "most ", std::llround(nearest)));
+}
+
+}  // namespace
+
+std::vector<double> ComponentDiagonals(const MeshSurface& surface) {
+  std::vector<Box3> boxes(surface.component_count());
+  const TriangleMesh& mesh = surface.mesh();
+  for (uint32_t f = 0; f < mesh.triangles.size(); ++f) {
+    for (const VertexId v : mesh.triangles[f]) boxes[surface.ComponentOf(FaceId(f))].Extend(mesh.PositionAt(v));
+  }
+  std::vector<double> diagonals;
+  for (const Box3& box : boxes) diagonals.push_back(box.Diagonal());
+  return diagonals;
+}
+
+FieldBuilder::FieldBuilder(const MeshSurface& surface, const SizingLimits& limits)
+    : surface_(surface), limits_(limits), longest_(surface.mesh().positions.size(), kInfinity) {
+  if (limits.max_edge_given || limits.sizing == Sizing::kUniform) return;
+  const std::vector<double> diagonals = ComponentDiagonals(surface);
+  for (uint32_t f = 0; f < surface.mesh().triangles.size(); ++f) {
+    for (const VertexId v : surface.mesh().triangles[f]) {
+      longest_[v.index()] = kMaxEdgePerComponent * diagonals[surface.ComponentOf(FaceId(f))];
+    }
+  }
+}
+
+// g where nothing else makes it smaller.
+double FieldBuilder::LongestGuidance() const {
+  if (limits_.sizing != Sizing::kUniform) return limits_.max_edge;
+  return std::clamp(parameter_ / kMedianEdgePerGuidance, limits_.min_edge, limits_.max_edge);
+}
+
+// Before thickness and clamps.
+double FieldBuilder::WantedLengthAt(double max_curvature) const {
+  switch (limits_.sizing) {
+    case Sizing::kAngle:
+      return IdealLength(parameter_, max_curvature);
+    case Sizing::kError:
+      return LengthForError(parameter_, max_curvature);
+    case Sizing::kUniform:
+      break;
+  }
+  return limits_.eta * LongestGuidance();  // g is l/η at a sample (eq. 5)
+}
+
+double FieldBuilder::IdealLengthAt(double max_curvature) const {
+  const double longest = limits_.sizing == Sizing::kUniform ? kInfinity : limits_.max_edge;
+  return std::clamp(WantedLengthAt(max_curvature), limits_.min_edge, longest);
+}
+
+absl::Status FieldBuilder::MeasureThickness(const Context& context) {
+  if (parameter_ <= measured_) return absl::OkStatus();
+  const double wanted = parameter_;
+  parameter_ = std::min(headroom_ * wanted, LargestParameter(limits_));
+  auto distances = surface_.SheetDistances([&](double curvature) { return IdealLengthAt(curvature); }, context);
+  measured_ = std::exchange(parameter_, wanted);
+  MESHFRONT_ASSIGN_OR_RETURN(sheet_distances_, std::move(distances));
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<SizingSample>> FieldBuilder::Samples(uint64_t& clamped, const Context& context) const {
+  const auto ideal_length = [&](double max_curvature) { return IdealLengthAt(max_curvature); };
+  MESHFRONT_ASSIGN_OR_RETURN(const std::vector<CurvatureSample> places,
+                             surface_.CurvatureSamples(ideal_length, sheet_distances_, context));
+  const bool uniform = limits_.sizing == Sizing::kUniform;
+  std::vector<SizingSample> samples;
+  samples.reserve(uniform ? 0 : places.size());
+  for (size_t i = 0; i < places.size(); ++i) {
+    const CurvatureSample& place = places[i];
+    const double wanted = WantedLengthAt(place.max_curvature);
+    double length =
+        std::min(wanted, LengthForError(kErrorPerSheetDistance * place.sheet_distance, place.max_curvature));
+    if (i < longest_.size()) length = std::min(length, longest_[i]);
+    length = std::clamp(length, limits_.min_edge, uniform ? kInfinity : limits_.max_edge);
+    clamped += std::isfinite(wanted) && length != wanted;
+    if (!uniform || length < wanted) samples.push_back({place.position, length});
+  }
+  MESHFRONT_ASSIGN_OR_RETURN(const std::vector<SizingSample> rim,
+                             BoundarySizingSamples(surface_, ideal_length, context));
+  samples.insert(samples.end(), rim.begin(), rim.end());
+  return samples;
+}
+
+absl::StatusOr<SizedField> FieldBuilder::Build(double parameter, const Context& context) {
+  parameter_ = parameter;
+  MESHFRONT_RETURN_IF_ERROR(MeasureThickness(context));
+  uint64_t clamped = 0;
+  MESHFRONT_ASSIGN_OR_RETURN(std::vector<SizingSample> samples, Samples(clamped, context));
+  const GuidanceOptions options{limits_.eta, limits_.min_edge, LongestGuidance()};
+  MESHFRONT_ASSIGN_OR_RETURN(GuidanceField field, GuidanceField::Create(std::move(samples), options, context));
+  const FaceSpans faces{surface_.mesh().positions, surface_.mesh().triangles, surface_.vertex_curvatures()};
+  MESHFRONT_ASSIGN_OR_RETURN(const double predicted, PredictTriangles(faces, field, context));
+  return SizedField{std::move(field), parameter, CountFactorOf(limits_.sizing) * predicted, clamped};
+}
+
+// Where every place had the edges that its own curvature asks for, g = l/η, the count would be a power of the parameter.
+double FieldBuilder::FirstGuess(double count) const {
+  const TriangleMesh& mesh = surface_.mesh();
+  double area = 0, bent = 0, bent_twice = 0;  // ∫ dA κ^n for n = 0, 1, 2
+  for (const Triangle& t : mesh.triangles) {
+    const double a = TriangleArea(mesh.PositionAt(t[0]), mesh.PositionAt(t[1]), mesh.PositionAt(t[2]));
+    area += a;
+    for (const VertexId v : t) {
+      const double curvature = surface_.vertex_curvatures()[v.index()];
+      bent += a / 3 * curvature, bent_twice += a / 3 * curvature * curvature;
+    }
+  }
+  const double per_area = 4 / std::sqrt(3.0) * kTrianglesPerIdealTriangle / count, eta2 = limits_.eta * limits_.eta;
+  const double largest = LargestParameter(limits_);
+  double guess = 0;
+  switch (limits_.sizing) {
+    case Sizing::kAngle:  // l = 2 sin(ρ/2) / κ
+      guess = 2 * std::asin(std::min(1.0, 0.5 * std::sqrt(per_area * eta2 * bent_twice)));
+      break;
+    case Sizing::kError:  // l² = 6ε / κ for small ε
+      guess = per_area * eta2 * bent / 6;
+      break;
+    case Sizing::kUniform:
+      guess = kMedianEdgePerGuidance * std::sqrt(per_area * area);
+      break;
+  }
+  return std::clamp(guess, 1e-12 * largest, largest);
+}
+
+absl::StatusOr<SizedField> FieldBuilder::BuildForCount(uint64_t count, const Context& context) {
+  headroom_ = kThicknessHeadroom;
+  const double target = static_cast<double>(count), largest = LargestParameter(limits_);
+  CountSearch search(std::log(target), ExponentOf(limits_.sizing), std::log(largest));
+  double parameter = FirstGuess(target);
+  for (int step = 0;; ++step) {
+    MESHFRONT_ASSIGN_OR_RETURN(SizedField sized, Build(parameter, context));
+    const double off = sized.predicted_triangles / target - 1;
+    if (std::abs(off) <= kCountTolerance) return sized;
+    const double next = search.Next(std::log(parameter), std::log(sized.predicted_triangles));
+    if (search.IsExhausted() || step == kMaxSteps) {
+      if (std::abs(off) <= kReachable) return sized;
+      return Unreachable(count, sized.predicted_triangles);
+    }
+    parameter = std::min(std::exp(next), largest);
+  }
+}
+
+}  // namespace meshfront

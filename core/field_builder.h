@@ -1,0 +1,65 @@
+// From a surface with curvature to its guidance field, at any value of the sizing's one parameter; and the value that makes a
+// number of triangles.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/base/context.h"
+#include "core/guidance/guidance_field.h"
+#include "core/remesh.h"
+#include "core/surface/mesh_surface.h"
+
+namespace meshfront {
+
+struct SizingLimits {
+  Sizing sizing = Sizing::kAngle;
+  double eta = 1.2;
+  double min_edge = 0, max_edge = 0;  // clamp of g, absolute, 0 < min_edge ≤ max_edge
+  bool max_edge_given = false;        // false: no edge is longer than a set part of its component either
+};
+
+struct SizedField {
+  GuidanceField field;
+  double parameter = 0;            // rho, max_error or edge_length, absolute
+  double predicted_triangles = 0;  // ≥ 0
+  uint64_t clamped_samples = 0;    // whose ideal length was changed by a clamp or by a thin part
+};
+
+// Uses: FieldBuilder builder(surface, limits); auto sized = builder.Build(0.8, context). What a parameter does not change is
+// measured once, so that further fields cost their samples alone. Not thread-safe.
+class FieldBuilder {
+ public:
+  // `surface` must have its curvature, and outlives the builder.
+  FieldBuilder(const MeshSurface& surface, const SizingLimits& limits);
+
+  // `parameter`: rho in (0, 2π/3], the error bound, or the median edge, > 0. Fails when the context stops it.
+  absl::StatusOr<SizedField> Build(double parameter, const Context& context);
+
+  // The field whose predicted count is within 0.3 % of `count`; mostly three or four of them are built. InvalidArgument when
+  // no parameter makes so few or so many, with what the nearest makes.
+  absl::StatusOr<SizedField> BuildForCount(uint64_t count, const Context& context);
+
+ private:
+  double LongestGuidance() const;
+  double WantedLengthAt(double max_curvature) const;
+  double IdealLengthAt(double max_curvature) const;
+  absl::Status MeasureThickness(const Context& context);
+  absl::StatusOr<std::vector<SizingSample>> Samples(uint64_t& clamped, const Context& context) const;
+  double FirstGuess(double count) const;
+
+  const MeshSurface& surface_;
+  const SizingLimits limits_;
+  std::vector<double> longest_;  // ideal length of each vertex, by its component's size
+  double parameter_ = 0;         // in force
+  double headroom_ = 1;          // thickness is measured for a parameter that much larger
+  double measured_ = 0;          // the parameter that thickness was measured for; 0: not yet
+  std::vector<double> sheet_distances_;
+};
+
+// The largest part of its component's diagonal that an edge may have where max_edge is not given.
+inline constexpr double kMaxEdgePerComponent = 0.25;
+std::vector<double> ComponentDiagonals(const MeshSurface& surface);
+
+}  // namespace meshfront

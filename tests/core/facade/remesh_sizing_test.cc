@@ -1,0 +1,265 @@
+// What is held constant is what was asked for: the number of triangles, the length of an edge, the distance to the surface.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "core/guidance/sizing.h"
+#include "core/remesh.h"
+#include "tests/core/facade/zoo.h"
+#include "tests/support/matchers.h"
+#include "tests/support/shapes.h"
+
+namespace meshfront::testing {
+namespace {
+
+using ::testing::Combine;
+using ::testing::Values;
+using ::testing::ValuesIn;
+
+constexpr absl::StatusCode kInvalid = absl::StatusCode::kInvalidArgument;
+#ifdef MESHFRONT_COARSE_ZOO
+constexpr bool kFine = false;
+#else
+constexpr bool kFine = true;
+#endif
+
+// A sphere with smooth bumps of a few edges each: every size of triangle, everywhere graded.
+TriangleMesh BumpySphere() {
+  return Mapped(Icosphere(kFine ? 6 : 5), [](const Vec3& p) {
+    return (1 + 0.15 * std::sin(6 * p.x) * std::sin(6 * p.y + 1) * std::sin(6 * p.z + 2)) * p;
+  });
+}
+
+// Of smooth shapes that no other test of the engine is tuned on only the bumps; the zoo has the others.
+std::vector<ZooShape> SizedShapes() {
+  std::vector<ZooShape> shapes;
+  for (const ZooShape& shape : Zoo()) {
+    for (const char* name : {"Sphere", "Torus", "GenusThree", "Ellipsoid", "WavyTerrain", "Hemisphere"}) {
+      if (shape.name == name) shapes.push_back(shape);
+    }
+  }
+  shapes.push_back({"BumpySphere", BumpySphere, 20});
+  return shapes;
+}
+
+struct Outcome {
+  TriangleMesh mesh;
+  Report report;
+};
+
+Outcome RemeshOrFail(const TriangleMesh& input, const RemeshOptions& options) {
+  CollectingSink sink;
+  absl::StatusOr<Report> report = Remesh({input, options}, sink, {});
+  EXPECT_THAT(report, IsOk());
+  if (!report.ok()) return {};
+  return {std::move(sink.mesh), *std::move(report)};
+}
+
+RemeshOptions Counting(Sizing sizing, uint64_t count, double eta = 1.2) {
+  RemeshOptions options;
+  options.sizing = sizing;
+  options.target_triangles = count;
+  options.eta = eta;
+  return options;
+}
+
+double MedianEdge(const TriangleMesh& mesh) {
+  std::vector<double> lengths;
+  for (const Triangle& t : mesh.triangles) {
+    for (int i = 0; i < 3; ++i) {
+      const VertexId a = t[i], b = t[(i + 1) % 3];
+      if (a < b) lengths.push_back(Distance(mesh.PositionAt(a), mesh.PositionAt(b)));
+    }
+  }
+  std::nth_element(lengths.begin(), lengths.begin() + lengths.size() / 2, lengths.end());
+  return lengths[lengths.size() / 2];
+}
+
+// --- The number of triangles ------------------------------------------------------------------------------------------------
+
+const char* NameOf(Sizing sizing) {
+  return sizing == Sizing::kAngle ? "Angle" : sizing == Sizing::kError ? "Error" : "Uniform";
+}
+
+class EveryCount : public ::testing::TestWithParam<std::tuple<ZooShape, Sizing, double>> {};
+
+// Where edges may differ by half the prediction knows less.
+TEST_P(EveryCount, ComesOutWithinThreePercent) {
+  const auto& [shape, sizing, eta] = GetParam();
+  const uint64_t count = kFine ? 8000 : 2500;
+  const Outcome out = RemeshOrFail(shape.make(), Counting(sizing, count, eta));
+  const double got = static_cast<double>(out.report.output.triangles);
+  EXPECT_NEAR(got / static_cast<double>(count), 1, eta < 1.3 ? 0.03 : 0.08);
+  EXPECT_NEAR(static_cast<double>(out.report.predicted_triangles) / static_cast<double>(count), 1, 0.01);
+  EXPECT_EQ(out.report.parameters.target_triangles, count);
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, EveryCount,
+                         Combine(ValuesIn(SizedShapes()), Values(Sizing::kAngle, Sizing::kError, Sizing::kUniform),
+                                 Values(1.2, 1.5)),
+                         [](const auto& info) {
+                           return std::get<0>(info.param).name + NameOf(std::get<1>(info.param)) + "Eta" +
+                                  std::to_string(std::lround(10 * std::get<2>(info.param)));
+                         });
+
+TEST(TargetTriangles, SayInTheReportWhatWasSolvedFor) {
+  const TriangleMesh input = Torus(1, 0.4, 120, 48);
+  const auto options = [&](Sizing sizing) {
+    return RemeshOrFail(input, Counting(sizing, 3000)).report.parameters.options;
+  };
+  EXPECT_FALSE(options(Sizing::kAngle).target_triangles.has_value());
+  EXPECT_LT(options(Sizing::kAngle).rho, 0.8);
+  EXPECT_GT(options(Sizing::kError).max_error->value, 0);
+  EXPECT_GT(options(Sizing::kUniform).edge_length->value, 0);
+}
+
+TEST(TargetTriangles, AreMetAgainByTheParameterThatWasSolvedFor) {
+  for (const Sizing sizing : {Sizing::kAngle, Sizing::kError, Sizing::kUniform}) {
+    SCOPED_TRACE(NameOf(sizing));
+    const TriangleMesh input = BumpySphere();
+    const Outcome solved = RemeshOrFail(input, Counting(sizing, 3000));
+    const Outcome given = RemeshOrFail(input, solved.report.parameters.options);
+    EXPECT_NEAR(
+        static_cast<double>(given.report.output.triangles) / static_cast<double>(solved.report.output.triangles), 1,
+        0.005);
+  }
+}
+
+TEST(TargetTriangles, AreRefusedWithTheNearestNumberWhereNoParameterMakesSoFew) {
+  CollectingSink sink;
+  const absl::Status few = Remesh({Icosphere(4), Counting(Sizing::kAngle, 4)}, sink, {}).status();
+  EXPECT_THAT(few, StatusIs(kInvalid, "options.target_triangles is 4"));
+  EXPECT_THAT(few, StatusIs(kInvalid, "takes at least "));
+  EXPECT_TRUE(sink.mesh.triangles.empty());
+}
+
+TEST(TargetTriangles, AreRefusedWithTheNearestNumberWhereAnotherOptionAllowsNoMore) {
+  RemeshOptions options = Counting(Sizing::kAngle, 100000);
+  options.min_edge = Length{0.1, false};
+  CollectingSink sink;
+  EXPECT_THAT(Remesh({Icosphere(4), options}, sink, {}).status(), StatusIs(kInvalid, "takes at most "));
+  // A flat sheet has no curvature that an angle could be held against.
+  EXPECT_THAT(Remesh({Sheet(10), Counting(Sizing::kAngle, 100000)}, sink, {}).status(),
+              StatusIs(kInvalid, "takes at most "));
+}
+
+TEST(TargetTriangles, ExcludeTheParametersThatTheySolveFor) {
+  RemeshOptions error = Counting(Sizing::kError, 1000), uniform = Counting(Sizing::kUniform, 1000);
+  error.max_error = Length{0.1, false}, uniform.edge_length = Length{0.1, false};
+  EXPECT_THAT(ValidateOptions(error), StatusIs(kInvalid, "options.target_triangles is set beside options.max_error"));
+  EXPECT_THAT(ValidateOptions(uniform),
+              StatusIs(kInvalid, "options.target_triangles is set beside options.edge_length"));
+  EXPECT_THAT(ValidateOptions(Counting(Sizing::kAngle, 3)), StatusIs(kInvalid, "options.target_triangles is 3"));
+}
+
+// --- The length of an edge --------------------------------------------------------------------------------------------------
+
+class EveryLength : public ::testing::TestWithParam<ZooShape> {};
+
+TEST_P(EveryLength, IsThatOfTheMedianEdge) {
+  for (const double percent : {1.5, 3.0}) {
+    RemeshOptions options;
+    options.sizing = Sizing::kUniform;
+    options.edge_length = Length{percent / 100, true};
+    const Outcome out = RemeshOrFail(GetParam().make(), options);
+    EXPECT_NEAR(MedianEdge(out.mesh) / (percent / 100 * out.report.input.diagonal), 1, 0.01) << percent << " %";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, EveryLength, ValuesIn(SizedShapes()),
+                         [](const auto& info) { return info.param.name; });
+
+TEST(EdgeLength, MayBeBoundedFromBothSides) {
+  RemeshOptions options;
+  options.sizing = Sizing::kUniform;
+  options.edge_length = Length{0.05, false};
+  options.min_edge = Length{0.1, false};
+  EXPECT_NEAR(MedianEdge(RemeshOrFail(Icosphere(4), options).mesh), 0.1, 0.002);
+  options.min_edge.reset();
+  options.max_edge = Length{0.04, false};
+  EXPECT_NEAR(MedianEdge(RemeshOrFail(Icosphere(4), options).mesh), 0.04, 0.001);
+}
+
+TEST(EdgeLength, IsInForceAsAnAbsoluteLength) {
+  RemeshOptions options;
+  options.sizing = Sizing::kUniform;
+  options.edge_length = Length{0.05, true};
+  const Report report = RemeshOrFail(Icosphere(3), options).report;
+  EXPECT_FALSE(report.parameters.options.edge_length->relative);
+  EXPECT_DOUBLE_EQ(report.parameters.options.edge_length->value, 0.05 * report.input.diagonal);
+}
+
+// --- The distance to the surface --------------------------------------------------------------------------------------------
+
+RemeshOptions WithError(std::optional<Length> error) {
+  RemeshOptions options;
+  options.sizing = Sizing::kError;
+  options.max_error = error;
+  return options;
+}
+
+TEST(MaxError, GivesASphereTheLengthWhoseBoundItIs) {
+  const double error = 0.002;
+  const Outcome out = RemeshOrFail(Icosphere(5), WithError(Length{error, false}));
+  EXPECT_EQ(out.report.error_bound, error);
+  // At a sample g is l/η, one edge away it is l (eq. 2 and 5).
+  EXPECT_GE(MedianEdge(out.mesh), 0.97 * LengthForError(error, 1) / 1.2);
+  EXPECT_LE(MedianEdge(out.mesh), LengthForError(error, 1));
+}
+
+TEST(MaxError, MakesEdgesGrowWithTheRootOfTheRadius) {
+  // l² = 6ε/κ: a sphere of nine times the radius takes edges three times as long.
+  const Length error{0.001, false};
+  const double one = MedianEdge(RemeshOrFail(Icosphere(4), WithError(error)).mesh);
+  const double nine = MedianEdge(RemeshOrFail(Icosphere(5, 9), WithError(error)).mesh);
+  EXPECT_NEAR(nine / one, 3, 0.09);
+}
+
+TEST(MaxError, IsATenthOfAPercentOfTheDiagonalUnlessGiven) {
+  const Report report = RemeshOrFail(Icosphere(4), WithError(std::nullopt)).report;
+  EXPECT_DOUBLE_EQ(report.error_bound, 0.001 * report.input.diagonal);
+  EXPECT_DOUBLE_EQ(report.parameters.options.max_error->value, 0.001 * report.input.diagonal);
+}
+
+TEST(MaxError, IsExceededInTheReportWhereEdgesMayNotBeSoShort) {
+  RemeshOptions options = WithError(Length{1e-4, false});
+  options.min_edge = Length{0.2, false};
+  const Report report = RemeshOrFail(Icosphere(4), options).report;
+  EXPECT_NEAR(report.error_bound, ErrorBound(0.2, 1), 0.1 * ErrorBound(0.2, 1));
+}
+
+TEST(MaxError, NeedsItsSizing) {
+  RemeshOptions options;
+  options.max_error = Length{0.1, false};
+  EXPECT_THAT(ValidateOptions(options), StatusIs(kInvalid, "options.max_error"));
+  for (const double wrong : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_THAT(ValidateOptions(WithError(Length{wrong, false})), StatusIs(kInvalid, "options.max_error")) << wrong;
+  }
+}
+
+// --- The prediction ---------------------------------------------------------------------------------------------------------
+
+TEST(Estimate, PredictsTheCountAndTheMedianEdge) {
+  for (const ZooShape& shape : SizedShapes()) {
+    for (const Sizing sizing : {Sizing::kAngle, Sizing::kError}) {
+      SCOPED_TRACE(shape.name + NameOf(sizing));
+      RemeshOptions options;
+      options.sizing = sizing;
+      options.rho = 0.4;
+      const TriangleMesh input = shape.make();
+      const absl::StatusOr<Estimate> estimate = EstimateRemesh({input, options}, {});
+      ASSERT_THAT(estimate, IsOk());
+      const Outcome out = RemeshOrFail(input, options);
+      const double got = static_cast<double>(out.report.output.triangles);
+      EXPECT_NEAR(static_cast<double>(estimate->predicted_triangles) / got, 1, got < 2000 ? 0.1 : 0.03);
+      EXPECT_NEAR(estimate->edge_median / MedianEdge(out.mesh), 1, 0.1);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace meshfront::testing
