@@ -71,6 +71,14 @@ absl::StatusOr<v1::Length> ParseLength(absl::string_view flag, absl::string_view
   return length;
 }
 
+// Of triangles: a tetrahedron has four.
+absl::StatusOr<uint64_t> ParseCount(absl::string_view flag, absl::string_view text) {
+  constexpr uint64_t least = 4;
+  uint64_t count;
+  if (!absl::SimpleAtoi(text, &count) || count < least) return WrongValue(flag, text, "a whole number, at least 4");
+  return count;
+}
+
 absl::StatusOr<bool> ParseSwitch(absl::string_view flag, absl::string_view text) {
   if (text == "on" || text == "off") return text == "on";
   return WrongValue(flag, text, "on or off");
@@ -99,9 +107,8 @@ absl::Status CheckValues(const MeshingFlags& flags) {
                                      {"--max-edge", &flags.max_edge}}) {
     if (*length) MESHFRONT_RETURN_IF_ERROR(ParseLength(name, **length).status());
   }
-  uint64_t count;
-  if (flags.target_triangles && (!absl::SimpleAtoi(*flags.target_triangles, &count) || count < 4)) {
-    return WrongValue("--target-triangles", *flags.target_triangles, "a whole number, at least 4");
+  if (flags.target_triangles) {
+    MESHFRONT_RETURN_IF_ERROR(ParseCount("--target-triangles", *flags.target_triangles).status());
   }
   if (flags.crease_angle && *flags.crease_angle != "off") {
     MESHFRONT_RETURN_IF_ERROR(CheckNumber("--crease-angle", flags.crease_angle, kCreaseAngle));
@@ -132,15 +139,12 @@ absl::Status CheckSizingFlags(const MeshingFlags& flags, v1::Sizing sizing) {
   if (flags.max_error && sizing != v1::SIZING_ERROR) return Contradiction("--max-error", given);
   if (flags.edge_length && sizing != v1::SIZING_UNIFORM) return Contradiction("--edge-length", given);
   if (sizing == v1::SIZING_UNIFORM && !flags.edge_length && !flags.target_triangles) {
-    return absl::InvalidArgumentError("--sizing uniform needs the length: give --edge-length too");
+    return absl::InvalidArgumentError("--sizing uniform needs a length: give --edge-length or --target-triangles too");
   }
   return absl::OkStatus();
 }
 
-absl::Status CheckBuilt(const MeshingFlags& flags, v1::Sizing sizing) {
-  if (flags.max_error) return NotYet("--max-error");
-  if (sizing == v1::SIZING_ERROR) return NotYet("--sizing error");
-  if (flags.target_triangles) return NotYet("--target-triangles");
+absl::Status CheckBuilt(const MeshingFlags& flags) {
   if (flags.crease_angle && *flags.crease_angle != "off")
     return NotYet(absl::StrCat("--crease-angle ", *flags.crease_angle));
   if (flags.features) return NotYet("--features");
@@ -189,6 +193,13 @@ absl::Status FillNumbers(const MeshingFlags& flags, v1::RemeshOptions* options) 
     MESHFRONT_ASSIGN_OR_RETURN(const double eta, ParseNumber("--eta", *flags.eta, kEta));
     options->set_eta(eta);
   }
+  if (flags.max_error) {
+    MESHFRONT_ASSIGN_OR_RETURN(*options->mutable_max_error(), ParseLength("--max-error", *flags.max_error));
+  }
+  if (flags.target_triangles) {
+    MESHFRONT_ASSIGN_OR_RETURN(const uint64_t count, ParseCount("--target-triangles", *flags.target_triangles));
+    options->set_target_triangles(count);
+  }
   if (flags.edge_length) {
     MESHFRONT_ASSIGN_OR_RETURN(*options->mutable_edge_length(), ParseLength("--edge-length", *flags.edge_length));
   }
@@ -219,7 +230,7 @@ absl::StatusOr<v1::RemeshOptions> ParseMeshingFlags(const MeshingFlags& flags) {
   MESHFRONT_RETURN_IF_ERROR(CheckEdgeRange(options));
   MESHFRONT_ASSIGN_OR_RETURN(const v1::Sizing sizing, ParseSizing(flags));
   MESHFRONT_RETURN_IF_ERROR(CheckSizingFlags(flags, sizing));
-  MESHFRONT_RETURN_IF_ERROR(CheckBuilt(flags, sizing));
+  MESHFRONT_RETURN_IF_ERROR(CheckBuilt(flags));
   options.set_sizing(sizing);
   if (flags.crease_angle == "off") options.mutable_crease()->set_off(true);
   if (flags.attributes == "drop") options.set_attributes(v1::ATTRIBUTE_POLICY_DROP);

@@ -27,6 +27,17 @@ std::string TopologyText(const Json& part) {
                          Get<uint64_t>(part, "/boundary_loops", 0), genus);
 }
 
+// The parameter that the sizing has, and eta.
+std::string ParametersText(const Json& stats) {
+  for (const auto& [name, pointer] : {std::pair{"rho", "/parameters/rho"},
+                                      {"max error", "/parameters/max_error"},
+                                      {"edge length", "/parameters/edge_length"}}) {
+    const double value = Get<double>(stats, pointer, 0);
+    if (value > 0) return absl::StrFormat("%s %g, eta %g", name, value, Get<double>(stats, "/parameters/eta", 0));
+  }
+  return absl::StrFormat("eta %g", Get<double>(stats, "/parameters/eta", 0));
+}
+
 }  // namespace
 
 std::string FiguresTable(const Json& stats) {
@@ -40,8 +51,7 @@ std::string FiguresTable(const Json& stats) {
   row("before", Count(stats, "/input/triangles") + " triangles, " + TopologyText(stats.value("input", Json::object())));
   row("after", WithThousands(triangles) + " triangles, " + TopologyText(stats.value("output", Json::object())));
   row("predicted", Count(stats, "/predicted_triangles") + " triangles");
-  row("parameters", absl::StrFormat("rho %g, eta %g", Get<double>(stats, "/parameters/rho", 0),
-                                    Get<double>(stats, "/parameters/eta", 0)));
+  row("parameters", ParametersText(stats));
   row("shape", absl::StrFormat("radius ratio (1 = equilateral): median %.3f, worst 0.5%% below %.3f, minimum %.3f",
                                Get<double>(stats, "/quality/radius_ratio_median", 0),
                                Get<double>(stats, "/quality/radius_ratio_p0_5", 0),

@@ -27,8 +27,12 @@ void AddMeshingFlags(CLI::App* command, MeshingFlags* flags) {
   command->add_option("--rho", flags->rho, "angle an edge subtends on the osculating circle, radians, (0, 2π/3] [0.8]");
   command->add_option("--eta", flags->eta, "bound on the ratio of incident edges, (1, 2) [1.2]");
   command->add_option("--sizing", flags->sizing, "what is held constant: angle, error or uniform [angle]");
+  command->add_option("--max-error", flags->max_error,
+                      "distance to the surface held constant, absolute or % of the diagonal; --sizing error [0.1%]");
   command->add_option("--edge-length", flags->edge_length,
-                      "the ideal length everywhere, absolute or % of the diagonal");
+                      "the median edge, the same everywhere, absolute or % of the diagonal; --sizing uniform");
+  command->add_option("--target-triangles", flags->target_triangles,
+                      "how many triangles, within 3%: solves for the parameter of --sizing");
   command->add_option("--min-edge", flags->min_edge,
                       "lower clamp of the edge length, absolute or % of the diagonal [derived]");
   command->add_option("--max-edge", flags->max_edge,
@@ -44,8 +48,6 @@ void AddMeshingFlags(CLI::App* command, MeshingFlags* flags) {
   command->add_option("--attributes", flags->attributes,
                       "keep, drop: UV, colours, materials, … (not yet: dropped with a warning)");
   command->add_option("--surface", flags->surface, "auto, mesh; mls and imls: not yet [auto]");
-  command->add_option("--max-error", flags->max_error, "one-sided distance bound (not yet)");
-  command->add_option("--target-triangles", flags->target_triangles, "number of triangles wanted (not yet)");
   command->add_option("--features", flags->features, "extra feature polylines (not yet)");
   command->add_option("--region", flags->region, "remesh only a part (not yet)");
   command->add_option("--blend", flags->blend, "width of the size transition at a border (not yet)");

@@ -42,9 +42,11 @@ Json LengthJson(bool has, const v1::Length& length) {
 
 Json ParametersJson(const v1::ParametersInForce& parameters) {
   const v1::RemeshOptions& o = parameters.options();
-  return {{"rho", o.rho()},
+  return {{"rho", o.has_rho() ? Json(o.rho()) : Json(nullptr)},
           {"eta", o.eta()},
           {"sizing", SizingName(o.sizing())},
+          {"target_triangles", parameters.target_triangles() > 0 ? Json(parameters.target_triangles()) : Json(nullptr)},
+          {"max_error", LengthJson(o.has_max_error(), o.max_error())},
           {"edge_length", LengthJson(o.has_edge_length(), o.edge_length())},
           {"min_edge", parameters.min_edge()},
           {"max_edge", parameters.max_edge()},

@@ -16,7 +16,7 @@ namespace {
 using google::protobuf::FieldDescriptor;
 
 // In the contract from the start, so that clients keep; refused by their path until they are built.
-constexpr absl::string_view kNotYet[] = {"max_error", "target_triangles", "features", "region", "blend", "mls_radius"};
+constexpr absl::string_view kNotYet[] = {"features", "region", "blend", "mls_radius"};
 
 bool IsNotYet(absl::string_view field) {
   return std::find(std::begin(kNotYet), std::end(kNotYet), field) != std::end(kNotYet);
@@ -33,7 +33,6 @@ absl::Status RefuseNotYet(const v1::RemeshOptions& o) {
   for (const FieldDescriptor* field : set) {
     if (IsNotYet(field->name())) return NotYet(absl::StrCat("options.", field->name()));
   }
-  if (o.sizing() == v1::SIZING_ERROR) return NotYet("options.sizing SIZING_ERROR");
   if (o.attributes() == v1::ATTRIBUTE_POLICY_KEEP) return NotYet("options.attributes ATTRIBUTE_POLICY_KEEP");
   if (o.surface() == v1::SURFACE_TYPE_MLS) return NotYet("options.surface SURFACE_TYPE_MLS");
   if (o.surface() == v1::SURFACE_TYPE_IMLS) return NotYet("options.surface SURFACE_TYPE_IMLS");
@@ -59,18 +58,66 @@ absl::Status CheckEnums(const v1::RemeshOptions& o) {
   return absl::OkStatus();
 }
 
-// What excludes one another.
+// The sizing that was chosen, or that the parameter given implies.
+v1::Sizing SizingOf(const v1::RemeshOptions& o) {
+  if (o.sizing() != v1::SIZING_UNSPECIFIED) return o.sizing();
+  if (o.has_max_error()) return v1::SIZING_ERROR;
+  return o.has_edge_length() ? v1::SIZING_UNIFORM : v1::SIZING_ANGLE;
+}
+
+// What excludes one another: parameters, and a parameter and the sizing.
 absl::Status CheckSizing(const v1::RemeshOptions& o) {
-  if (o.has_rho() && o.has_edge_length()) {
-    return absl::InvalidArgumentError("options.edge_length is set beside options.rho; they exclude one another");
+  struct Parameter {
+    absl::string_view name;
+    bool is_set;
+    v1::Sizing sizing;
+  };
+  const v1::Sizing sizing = SizingOf(o);
+  const Parameter parameters[] = {{"rho", o.has_rho(), v1::SIZING_ANGLE},
+                                  {"max_error", o.has_max_error(), v1::SIZING_ERROR},
+                                  {"edge_length", o.has_edge_length(), v1::SIZING_UNIFORM},
+                                  {"target_triangles", o.has_target_triangles(), sizing}};
+  const Parameter* first = nullptr;
+  for (const Parameter& parameter : parameters) {
+    if (!parameter.is_set) continue;
+    if (first != nullptr) {
+      return absl::InvalidArgumentError(absl::StrCat("options.", parameter.name, " is set beside options.", first->name,
+                                                     "; they exclude one another"));
+    }
+    if (parameter.sizing != sizing) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("options.sizing is ", v1::Sizing_Name(sizing), "; it can't be with options.", parameter.name));
+    }
+    first = &parameter;
   }
-  if (o.sizing() == v1::SIZING_UNIFORM && !o.has_edge_length()) {
-    return absl::InvalidArgumentError("options.sizing is SIZING_UNIFORM; it needs options.edge_length");
-  }
-  if (o.sizing() == v1::SIZING_ANGLE && o.has_edge_length()) {
-    return absl::InvalidArgumentError("options.sizing is SIZING_ANGLE; it can't be with options.edge_length");
+  if (sizing == v1::SIZING_UNIFORM && first == nullptr) {
+    return absl::InvalidArgumentError(
+        "options.sizing is SIZING_UNIFORM; it needs options.edge_length or options.target_triangles");
   }
   return absl::OkStatus();
+}
+
+Sizing SizingFromProto(v1::Sizing sizing) {
+  switch (sizing) {
+    case v1::SIZING_ERROR:
+      return Sizing::kError;
+    case v1::SIZING_UNIFORM:
+      return Sizing::kUniform;
+    default:
+      return Sizing::kAngle;
+  }
+}
+
+v1::Sizing SizingToProto(Sizing sizing) {
+  switch (sizing) {
+    case Sizing::kError:
+      return v1::SIZING_ERROR;
+    case Sizing::kUniform:
+      return v1::SIZING_UNIFORM;
+    case Sizing::kAngle:
+      break;
+  }
+  return v1::SIZING_ANGLE;
 }
 
 absl::StatusOr<Length> LengthFromProto(const v1::Length& proto, absl::string_view path) {
@@ -88,10 +135,14 @@ absl::StatusOr<RemeshOptions> ToCore(const v1::RemeshOptions& proto) {
   RemeshOptions o;
   if (proto.has_rho()) o.rho = proto.rho();
   if (proto.has_eta()) o.eta = proto.eta();
+  o.sizing = SizingFromProto(SizingOf(proto));
+  if (proto.has_max_error()) {
+    MESHFRONT_ASSIGN_OR_RETURN(o.max_error, LengthFromProto(proto.max_error(), "options.max_error"));
+  }
   if (proto.has_edge_length()) {
     MESHFRONT_ASSIGN_OR_RETURN(o.edge_length, LengthFromProto(proto.edge_length(), "options.edge_length"));
-    o.sizing = Sizing::kUniform;
   }
+  if (proto.has_target_triangles()) o.target_triangles = proto.target_triangles();
   if (proto.has_min_edge()) {
     MESHFRONT_ASSIGN_OR_RETURN(o.min_edge, LengthFromProto(proto.min_edge(), "options.min_edge"));
   }
@@ -118,11 +169,12 @@ absl::StatusOr<RemeshOptions> OptionsFromProto(const v1::RemeshOptions& proto) {
 
 v1::RemeshOptions OptionsToProto(const RemeshOptions& o) {
   v1::RemeshOptions proto;
-  const bool uniform = o.sizing == Sizing::kUniform;
-  if (!uniform) proto.set_rho(o.rho);
+  if (o.sizing == Sizing::kAngle && !o.target_triangles) proto.set_rho(o.rho);
   proto.set_eta(o.eta);
-  proto.set_sizing(uniform ? v1::SIZING_UNIFORM : o.sizing == Sizing::kError ? v1::SIZING_ERROR : v1::SIZING_ANGLE);
+  proto.set_sizing(SizingToProto(o.sizing));
+  if (o.max_error) *proto.mutable_max_error() = LengthToProto(*o.max_error);
   if (o.edge_length) *proto.mutable_edge_length() = LengthToProto(*o.edge_length);
+  if (o.target_triangles) proto.set_target_triangles(*o.target_triangles);
   if (o.min_edge) *proto.mutable_min_edge() = LengthToProto(*o.min_edge);
   if (o.max_edge) *proto.mutable_max_edge() = LengthToProto(*o.max_edge);
   proto.mutable_crease()->set_off(true);

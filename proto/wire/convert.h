@@ -17,7 +17,7 @@ inline constexpr int kMaxListedOpenPlaces = 1000;
 inline constexpr int kMaxListedDefects = 100;
 
 // The options in core's terms, defaults filled in. InvalidArgument, beginning with the field's path: a value out of
-// its range, a contradiction, or an option that is not supported yet ("options.max_error is not supported yet").
+// its range, a contradiction, or an option that is not supported yet ("options.region is not supported yet").
 absl::StatusOr<RemeshOptions> OptionsFromProto(const v1::RemeshOptions& proto);
 // Everything set that has a value; what is off or not supported says so.
 v1::RemeshOptions OptionsToProto(const RemeshOptions& options);

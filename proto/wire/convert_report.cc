@@ -72,6 +72,7 @@ v1::ParametersInForce ParametersToProto(const ParametersInForce& parameters) {
   proto.set_min_edge(parameters.min_edge);
   proto.set_max_edge(parameters.max_edge);
   proto.set_clamped_samples(parameters.clamped_samples);
+  proto.set_target_triangles(parameters.target_triangles);
   return proto;
 }
 
@@ -149,6 +150,7 @@ ParametersInForce ParametersFromProto(const v1::ParametersInForce& proto) {
   parameters.min_edge = proto.min_edge();
   parameters.max_edge = proto.max_edge();
   parameters.clamped_samples = proto.clamped_samples();
+  parameters.target_triangles = proto.target_triangles();
   return parameters;
 }
 

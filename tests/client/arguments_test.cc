@@ -42,6 +42,30 @@ TEST(MeshingFlags, CarryEveryValueThatIsBuilt) {
   EXPECT_EQ(options->surface(), v1::SURFACE_TYPE_MESH);
 }
 
+TEST(MeshingFlags, CarryTheOneParameterOfTheSizing) {
+  const absl::StatusOr<v1::RemeshOptions> error = ParseMeshingFlags({.max_error = "0.5%"});
+  ASSERT_THAT(error, IsOk());
+  EXPECT_EQ(error->sizing(), v1::SIZING_ERROR);
+  EXPECT_DOUBLE_EQ(error->max_error().diagonal_fraction(), 0.005);
+  const absl::StatusOr<v1::RemeshOptions> unset = ParseMeshingFlags({.sizing = "error"});
+  ASSERT_THAT(unset, IsOk());
+  EXPECT_EQ(unset->sizing(), v1::SIZING_ERROR);
+  EXPECT_FALSE(unset->has_max_error() || unset->has_rho());
+}
+
+TEST(MeshingFlags, SolveForACountUnderAnySizing) {
+  using Wanted = std::pair<MeshingFlags::Text, v1::Sizing>;
+  for (const auto& [sizing, wanted] : {Wanted{std::nullopt, v1::SIZING_ANGLE}, Wanted{"angle", v1::SIZING_ANGLE},
+                                       Wanted{"error", v1::SIZING_ERROR}, Wanted{"uniform", v1::SIZING_UNIFORM}}) {
+    const absl::StatusOr<v1::RemeshOptions> options =
+        ParseMeshingFlags({.sizing = sizing, .target_triangles = "34200"});
+    ASSERT_THAT(options, IsOk());
+    EXPECT_EQ(options->sizing(), wanted);
+    EXPECT_EQ(options->target_triangles(), 34200u);
+    EXPECT_FALSE(options->has_rho() || options->has_max_error() || options->has_edge_length());
+  }
+}
+
 TEST(MeshingFlags, NameTheFlagTheValueAndTheRule) {
   EXPECT_THAT(Parse({.rho = "3"}), StatusIs(kInvalid, "--rho is 3; it must be a number in (0, 2π/3]"));
   for (const char* wrong : {"0", "-1", "nan", "inf", "1x", "", "2.0944"}) {
@@ -56,14 +80,25 @@ TEST(MeshingFlags, NameTheFlagTheValueAndTheRule) {
   EXPECT_THAT(Parse({.threads = "-1"}), StatusIs(kInvalid, "--threads is -1"));
   EXPECT_THAT(Parse({.sizing = "round"}), StatusIs(kInvalid, "--sizing is round"));
   EXPECT_THAT(Parse({.attributes = "some"}), StatusIs(kInvalid, "--attributes is some"));
-  EXPECT_THAT(Parse({.target_triangles = "3"}), StatusIs(kInvalid, "--target-triangles is 3"));
+  for (const char* wrong : {"3", "-5", "1e4", "2.5", ""}) {
+    EXPECT_THAT(Parse({.target_triangles = wrong}), StatusIs(kInvalid, "--target-triangles is ")) << wrong;
+  }
+  for (const char* wrong : {"0", "-1", "0%", "x"}) {
+    EXPECT_THAT(Parse({.max_error = wrong}), StatusIs(kInvalid, "--max-error is ")) << wrong;
+  }
 }
 
 TEST(MeshingFlags, RefuseContradictions) {
   EXPECT_THAT(Parse({.rho = "0.5", .edge_length = "1"}), StatusIs(kInvalid, "--rho and --edge-length contradict"));
   EXPECT_THAT(Parse({.rho = "0.5", .max_error = "1%"}), StatusIs(kInvalid, "contradict"));
   EXPECT_THAT(Parse({.max_error = "1", .target_triangles = "500"}), StatusIs(kInvalid, "contradict"));
+  EXPECT_THAT(Parse({.rho = "0.5", .target_triangles = "500"}), StatusIs(kInvalid, "contradict"));
+  EXPECT_THAT(Parse({.target_triangles = "500", .edge_length = "1"}), StatusIs(kInvalid, "contradict"));
+  EXPECT_THAT(Parse({.max_error = "1", .edge_length = "1"}), StatusIs(kInvalid, "contradict"));
   EXPECT_THAT(Parse({.rho = "0.5", .sizing = "uniform"}), StatusIs(kInvalid, "--rho and --sizing uniform"));
+  EXPECT_THAT(Parse({.rho = "0.5", .sizing = "error"}), StatusIs(kInvalid, "--rho and --sizing error"));
+  EXPECT_THAT(Parse({.max_error = "1%", .sizing = "angle"}), StatusIs(kInvalid, "--max-error and --sizing angle"));
+  EXPECT_THAT(Parse({.sizing = "error", .edge_length = "1"}), StatusIs(kInvalid, "--edge-length and --sizing error"));
   EXPECT_THAT(Parse({.sizing = "angle", .edge_length = "1"}), StatusIs(kInvalid, "--edge-length and --sizing angle"));
   EXPECT_THAT(Parse({.sizing = "uniform"}), StatusIs(kInvalid, "--edge-length"));
   EXPECT_THAT(Parse({.min_edge = "2%", .max_edge = "1%"}), StatusIs(kInvalid, "--min-edge is larger"));
@@ -71,10 +106,8 @@ TEST(MeshingFlags, RefuseContradictions) {
 
 TEST(MeshingFlags, SayNotYetInsteadOfIgnoring) {
   const std::vector<MeshingFlags> not_built = {
-      {.max_error = "1%"},    {.sizing = "error"},       {.target_triangles = "1000"},
-      {.crease_angle = "40"}, {.features = "f.obj"},     {.region = "faces:a.txt"},
-      {.blend = "8"},         {.surface = "mls"},        {.surface = "imls"},
-      {.mls_radius = "4"},    {.seed_points = {"0,0,0"}}};
+      {.crease_angle = "40"}, {.features = "f.obj"}, {.region = "faces:a.txt"}, {.blend = "8"},
+      {.surface = "mls"},     {.surface = "imls"},   {.mls_radius = "4"},       {.seed_points = {"0,0,0"}}};
   for (const MeshingFlags& flags : not_built) EXPECT_THAT(Parse(flags), StatusIs(kInvalid, "not yet"));
 }
 

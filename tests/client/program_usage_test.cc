@@ -59,6 +59,9 @@ TEST_F(Program, ExitsWithTwoForMistakesInTheCommandLine) {
       {"remesh", "in.ply", "out.ply", "--rho", "9"},
       {"remesh", "in.ply", "out.ply", "--rho", "-1"},
       {"remesh", "in.ply", "out.ply", "--rho", "1", "--edge-length", "1"},
+      {"remesh", "in.ply", "out.ply", "--max-error", "1%", "--target-triangles", "500"},
+      {"remesh", "in.ply", "out.ply", "--max-error", "1%", "--sizing", "uniform"},
+      {"remesh", "in.ply", "out.ply", "--target-triangles", "4"},  // fewer than this sphere takes at any rho
       {"remesh", "in.ply", "out.doc"},
       {"remesh", "in.ply", "out.xyz"},
       {"remesh", "-", "out.ply"},
@@ -83,10 +86,8 @@ TEST_F(Program, SaysNotYetToWhatIsNotBuilt) {
       {"intersection", "in.ply", "in.ply", "out.ply"},
       {"difference", "in.ply", "in.ply", "out.ply"},
       {"cut", "in.ply", "in.ply", "out.ply"},
-      {"remesh", "in.ply", "out.ply", "--max-error", "1%"},
-      {"remesh", "in.ply", "out.ply", "--target-triangles", "500"},
       {"remesh", "in.ply", "out.ply", "--region", "sphere:0,0,0,1"},
-      {"estimate", "in.ply", "--sizing", "error"}};
+      {"estimate", "in.ply", "--features", "curves.obj"}};
   for (const std::vector<std::string>& arguments : not_built) {
     const Outcome outcome = Run(arguments);
     EXPECT_EQ(outcome.exit_code, 2) << ::testing::PrintToString(arguments);

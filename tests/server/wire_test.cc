@@ -65,14 +65,12 @@ TEST(OptionsFromProto, KeepsAnExplicitFalseApartFromUnset) {
 }
 
 TEST(OptionsFromProto, RefusesWhatIsNotBuiltYetByItsPath) {
-  std::vector<v1::RemeshOptions> cases(7);
-  cases[0].mutable_max_error()->set_absolute(0.1);
-  cases[1].set_target_triangles(100);
-  cases[2].mutable_region()->mutable_sphere()->set_radius(1);
-  cases[3].mutable_features()->set_point_count(1);
-  cases[4].mutable_crease()->set_angle_degrees(40);
-  cases[5].set_surface(v1::SURFACE_TYPE_IMLS);
-  cases[6].set_attributes(v1::ATTRIBUTE_POLICY_KEEP);
+  std::vector<v1::RemeshOptions> cases(5);
+  cases[0].mutable_region()->mutable_sphere()->set_radius(1);
+  cases[1].mutable_features()->set_point_count(1);
+  cases[2].mutable_crease()->set_angle_degrees(40);
+  cases[3].set_surface(v1::SURFACE_TYPE_IMLS);
+  cases[4].set_attributes(v1::ATTRIBUTE_POLICY_KEEP);
   for (const v1::RemeshOptions& proto : cases) {
     const absl::Status status = OptionsFromProto(proto).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << proto.DebugString();
@@ -82,18 +80,55 @@ TEST(OptionsFromProto, RefusesWhatIsNotBuiltYetByItsPath) {
 }
 
 TEST(OptionsFromProto, RefusesContradictionsAndValuesOutOfRange) {
-  std::vector<v1::RemeshOptions> cases(6);
+  std::vector<v1::RemeshOptions> cases(12);
   cases[0].set_rho(0.5), cases[0].mutable_edge_length()->set_absolute(1);
   cases[1].set_sizing(v1::SIZING_UNIFORM);
   cases[2].set_sizing(v1::SIZING_ANGLE), cases[2].mutable_edge_length()->set_absolute(1);
   cases[3].mutable_edge_length();
   cases[4].mutable_min_edge()->set_absolute(-1);
   cases[5].set_eta(2.5);
+  cases[6].set_rho(0.5), cases[6].set_sizing(v1::SIZING_ERROR);
+  cases[7].set_rho(0.5), cases[7].set_target_triangles(1000);
+  cases[8].mutable_max_error()->set_absolute(1), cases[8].set_sizing(v1::SIZING_UNIFORM);
+  cases[9].mutable_max_error()->set_absolute(1), cases[9].mutable_edge_length()->set_absolute(1);
+  cases[10].set_target_triangles(3);
+  cases[11].mutable_max_error()->set_diagonal_fraction(0);
   for (const v1::RemeshOptions& proto : cases) {
     const absl::Status status = OptionsFromProto(proto).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << proto.DebugString();
     EXPECT_THAT(std::string(status.message()), StartsWith("options."));
   }
+}
+
+TEST(OptionsFromProto, TakesTheSizingThatTheParameterImplies) {
+  v1::RemeshOptions proto;
+  proto.mutable_max_error()->set_diagonal_fraction(0.002);
+  const absl::StatusOr<RemeshOptions> error = OptionsFromProto(proto);
+  ASSERT_TRUE(error.ok()) << error.status();
+  EXPECT_EQ(error->sizing, Sizing::kError);
+  EXPECT_EQ(error->max_error->value, 0.002);
+  EXPECT_TRUE(error->max_error->relative);
+  proto.clear_max_error();
+  proto.set_target_triangles(500);
+  EXPECT_EQ(OptionsFromProto(proto)->sizing, Sizing::kAngle);
+  EXPECT_EQ(OptionsFromProto(proto)->target_triangles, 500u);
+  proto.set_sizing(v1::SIZING_UNIFORM);
+  EXPECT_EQ(OptionsFromProto(proto)->sizing, Sizing::kUniform);
+}
+
+TEST(OptionsFromProto, ReadsBackASizingByErrorAndATarget) {
+  RemeshOptions options;
+  options.sizing = Sizing::kError;
+  options.max_error = Length{0.25, false};
+  absl::StatusOr<RemeshOptions> back = OptionsFromProto(OptionsToProto(options));
+  ASSERT_TRUE(back.ok()) << back.status();
+  EXPECT_EQ(back->sizing, Sizing::kError);
+  EXPECT_EQ(back->max_error->value, 0.25);
+  options.max_error.reset();
+  options.target_triangles = 777;
+  back = OptionsFromProto(OptionsToProto(options));
+  ASSERT_TRUE(back.ok()) << back.status();
+  EXPECT_EQ(back->target_triangles, 777u);
 }
 
 TEST(OptionsFromProto, ReadsBackWhatOptionsToProtoWrote) {
