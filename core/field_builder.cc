@@ -1,11 +1,13 @@
 // Build: 1. thickness, where it was not measured for edges as long (MeasureThickness); 2. curvature → ideal lengths, bounded by
 // thickness, by the component's size and by the clamps (Samples); 3. the field and its predicted count.
-// BuildForCount: a secant on (log parameter, log count), which the paper's scaling makes almost a line, from the count that the
-// curvature alone suggests (FirstGuess), kept inside the bracket that is known.
+// BuildForCount: 1. a field at the parameter that the curvature alone suggests (FirstGuess); 2. with its samples and a part of the
+// faces a secant on (log parameter, log count), which the paper's scaling makes almost a line (Improve); 3. a field there, and so
+// on until the count is right. Where the parameter's range ends with too many triangles, detail below a growing size is left out.
 // Rejected: bisection, which builds ten fields for the same.
 #include "core/field_builder.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -23,10 +25,13 @@ namespace {
 
 // Twice the fence height stays below the distance to the other sheet: h = 2ε, so ε is at most a quarter of it.
 constexpr double kErrorPerSheetDistance = 0.25;
-constexpr double kCountTolerance = 0.003;  // a tenth of what is promised of the real count
+constexpr double kCountTolerance = 0.004;  // an eighth of what is promised of the real count
 constexpr double kReachable = 0.01;        // farther from the count than this, at the end of the range, it is refused
 constexpr int kMaxSteps = 24;
-constexpr double kMaxStep = 1.5;     // of the parameter's logarithm
+constexpr int kImprovedSteps = 3, kMaxProbeSteps = 8;
+constexpr size_t kProbeFaces = 2048;
+constexpr double kMaxStep = 1.5;  // of the parameter's logarithm
+constexpr double kTellingStep = 0.5;
 constexpr double kSameCount = 1e-4;  // of the count's logarithm: the parameter has lost its influence
 constexpr double kThicknessHeadroom = 1.5;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -62,7 +67,9 @@ class CountSearch {
   double Next(double place, double log_count) {
     if (std::isfinite(place_)) {
       slope_ = std::clamp((log_count - log_count_) / (place - place_), 2 * exponent_, 0.02 * exponent_);
-      has_stopped_ = std::abs(log_count - log_count_) < kSameCount * std::abs(place - place_);
+      const double step = std::abs(place - place_);
+      has_stopped_ =
+          log_count < log_target_ && step >= kTellingStep && std::abs(log_count - log_count_) < kSameCount * step;
     }
     place_ = place, log_count_ = log_count;
     (log_count > log_target_ ? left_ : right_) = place;
@@ -129,17 +136,29 @@ double FieldBuilder::WantedLengthAt(double max_curvature) const {
   return limits_.eta * LongestGuidance();  // g is l/η at a sample (eq. 5)
 }
 
+// … with detail that is smaller than what the count leaves room for taken for as large as that.
+double FieldBuilder::LengthAt(double max_curvature) const { return std::max(WantedLengthAt(max_curvature), detail_); }
+
+// What the other sheet allows: a quarter of the distance to it as the error.
+double FieldBuilder::LengthForSheet(const CurvatureSample& place) const {
+  if (!std::isfinite(place.sheet_distance)) return kInfinity;
+  const double curvature = detail_ > 0 ? std::min(place.max_curvature, std::sqrt(3.0) / detail_) : place.max_curvature;
+  return LengthForError(kErrorPerSheetDistance * place.sheet_distance, curvature);
+}
+
 double FieldBuilder::IdealLengthAt(double max_curvature) const {
   const double longest = limits_.sizing == Sizing::kUniform ? kInfinity : limits_.max_edge;
-  return std::clamp(WantedLengthAt(max_curvature), limits_.min_edge, longest);
+  return std::clamp(LengthAt(max_curvature), limits_.min_edge, longest);
 }
 
 absl::Status FieldBuilder::MeasureThickness(const Context& context) {
-  if (parameter_ <= measured_) return absl::OkStatus();
-  const double wanted = parameter_;
+  if (parameter_ <= measured_ && detail_ <= measured_detail_) return absl::OkStatus();
+  const double wanted = parameter_, wanted_detail = detail_;
   parameter_ = std::min(headroom_ * wanted, LargestParameter(limits_));
+  detail_ *= headroom_;
   auto distances = surface_.SheetDistances([&](double curvature) { return IdealLengthAt(curvature); }, context);
   measured_ = std::exchange(parameter_, wanted);
+  measured_detail_ = std::exchange(detail_, wanted_detail);
   MESHFRONT_ASSIGN_OR_RETURN(sheet_distances_, std::move(distances));
   return absl::OkStatus();
 }
@@ -153,9 +172,8 @@ absl::StatusOr<std::vector<SizingSample>> FieldBuilder::Samples(uint64_t& clampe
   samples.reserve(uniform ? 0 : places.size());
   for (size_t i = 0; i < places.size(); ++i) {
     const CurvatureSample& place = places[i];
-    const double wanted = WantedLengthAt(place.max_curvature);
-    double length =
-        std::min(wanted, LengthForError(kErrorPerSheetDistance * place.sheet_distance, place.max_curvature));
+    const double wanted = LengthAt(place.max_curvature);
+    double length = std::min(wanted, LengthForSheet(place));
     if (i < longest_.size()) length = std::min(length, longest_[i]);
     length = std::clamp(length, limits_.min_edge, uniform ? kInfinity : limits_.max_edge);
     clamped += std::isfinite(wanted) && length != wanted;
@@ -176,7 +194,7 @@ absl::StatusOr<SizedField> FieldBuilder::Build(double parameter, const Context& 
   MESHFRONT_ASSIGN_OR_RETURN(GuidanceField field, GuidanceField::Create(std::move(samples), options, context));
   const FaceSpans faces{surface_.mesh().positions, surface_.mesh().triangles, surface_.vertex_curvatures()};
   MESHFRONT_ASSIGN_OR_RETURN(const double predicted, PredictTriangles(faces, field, context));
-  return SizedField{std::move(field), parameter, CountFactorOf(limits_.sizing) * predicted, clamped};
+  return SizedField{std::move(field), parameter, CountFactorOf(limits_.sizing) * predicted, clamped, detail_};
 }
 
 // Where every place had the edges that its own curvature asks for, g = l/η, the count would be a power of the parameter.
@@ -208,22 +226,113 @@ double FieldBuilder::FirstGuess(double count) const {
   return std::clamp(guess, 1e-12 * largest, largest);
 }
 
+// Edges of one length everywhere, of the size that the count leaves room for, and a little less.
+double FieldBuilder::FirstDetail(double count) const {
+  double area = 0;
+  for (const Triangle& t : surface_.mesh().triangles) {
+    area += TriangleArea(surface_.mesh().PositionAt(t[0]), surface_.mesh().PositionAt(t[1]),
+                         surface_.mesh().PositionAt(t[2]));
+  }
+  return 0.75 * std::sqrt(4 / std::sqrt(3.0) * area / count);
+}
+
+// A part of the surface, evenly spread, on which counts are compared quickly.
+FieldBuilder::Probe FieldBuilder::MakeProbe() const {
+  const TriangleMesh& mesh = surface_.mesh();
+  Probe probe;
+  const size_t stride = mesh.triangles.size() / kProbeFaces | 1;
+  for (size_t f = 0; f < mesh.triangles.size(); f += stride) {
+    std::array<VertexId, 3> corners;
+    for (int i = 0; i < 3; ++i) {
+      const VertexId v = mesh.triangles[f][i];
+      corners[i] = VertexId(static_cast<uint32_t>(probe.positions.size()));
+      probe.positions.push_back(mesh.PositionAt(v));
+      probe.curvatures.push_back(surface_.vertex_curvatures()[v.index()]);
+    }
+    probe.triangles.push_back(corners);
+  }
+  return probe;
+}
+
+// The count at another parameter, about: of the samples that `sized` kept, stretched by what the formula says of their lengths, and
+// on the probe alone.
+absl::StatusOr<double> FieldBuilder::ProbeCount(const SizedField& sized, double parameter, const Probe& probe,
+                                                const Context& context) {
+  const auto kept = sized.field.kept_samples();
+  std::vector<SizingSample> samples(kept.begin(), kept.end());
+  parameter_ = parameter;
+  for (SizingSample& sample : samples) {
+    const double curvature = CurvatureOf(sample.ideal_length, sized.parameter);
+    sample.ideal_length = std::clamp(WantedLengthAt(curvature), limits_.min_edge, limits_.max_edge);
+  }
+  const GuidanceOptions options{limits_.eta, limits_.min_edge, LongestGuidance()};
+  MESHFRONT_ASSIGN_OR_RETURN(const GuidanceField field, GuidanceField::Create(std::move(samples), options, context));
+  return PredictTriangles({probe.positions, probe.triangles, probe.curvatures}, field, context);
+}
+
+// The curvature whose ideal length this is at a parameter.
+double FieldBuilder::CurvatureOf(double length, double parameter) const {
+  if (limits_.sizing == Sizing::kAngle) return IdealLength(parameter, length);  // l κ is the same either way
+  return std::min(6 * parameter / (length * length + 3 * parameter * parameter), std::sqrt(3.0) / length);
+}
+
+// From a field that has another count, the parameter whose count is near, without building a whole field again.
+absl::StatusOr<double> FieldBuilder::Improve(const SizedField& sized, double target, const Context& context) {
+  const double largest = LargestParameter(limits_);
+  const Probe probe = MakeProbe();
+  MESHFRONT_ASSIGN_OR_RETURN(const double part, ProbeCount(sized, sized.parameter, probe, context));
+  if (!(part > 0)) return sized.parameter;
+  const double wanted = target * part / sized.predicted_triangles;
+  CountSearch search(std::log(wanted), ExponentOf(limits_.sizing), std::log(largest));
+  double parameter = sized.parameter, count = part;
+  for (int step = 0; step < kMaxProbeSteps && std::abs(count / wanted - 1) > 0.3 * kCountTolerance; ++step) {
+    parameter = std::min(std::exp(search.Next(std::log(parameter), std::log(count))), largest);
+    if (search.IsExhausted()) break;
+    MESHFRONT_ASSIGN_OR_RETURN(count, ProbeCount(sized, parameter, probe, context));
+  }
+  return parameter;
+}
+
+// The field of the count that is nearest to `count` among those that `build` makes of values up to `largest`.
+absl::StatusOr<SizedField> FieldBuilder::Approach(uint64_t count, const Line& line) const {
+  const double target = static_cast<double>(count);
+  CountSearch search(std::log(target), line.exponent, std::log(line.largest));
+  double value = line.first;
+  for (int step = 0;; ++step) {
+    MESHFRONT_ASSIGN_OR_RETURN(SizedField sized, line.build(value));
+    if (std::abs(sized.predicted_triangles / target - 1) <= kCountTolerance || step == kMaxSteps) return sized;
+    const double next = search.Next(std::log(value), std::log(sized.predicted_triangles));
+    if (search.IsExhausted()) return sized;
+    value = std::min(std::exp(next), line.largest);
+    if (step < kImprovedSteps && line.improve) {
+      MESHFRONT_ASSIGN_OR_RETURN(value, line.improve(sized));
+    }
+  }
+}
+
 absl::StatusOr<SizedField> FieldBuilder::BuildForCount(uint64_t count, const Context& context) {
   headroom_ = kThicknessHeadroom;
-  const double target = static_cast<double>(count), largest = LargestParameter(limits_);
-  CountSearch search(std::log(target), ExponentOf(limits_.sizing), std::log(largest));
-  double parameter = FirstGuess(target);
-  for (int step = 0;; ++step) {
-    MESHFRONT_ASSIGN_OR_RETURN(SizedField sized, Build(parameter, context));
-    const double off = sized.predicted_triangles / target - 1;
-    if (std::abs(off) <= kCountTolerance) return sized;
-    const double next = search.Next(std::log(parameter), std::log(sized.predicted_triangles));
-    if (search.IsExhausted() || step == kMaxSteps) {
-      if (std::abs(off) <= kReachable) return sized;
-      return Unreachable(count, sized.predicted_triangles);
-    }
-    parameter = std::min(std::exp(next), largest);
+  const double target = static_cast<double>(count);
+  const auto is_reached = [&](const SizedField& sized) {
+    return std::abs(sized.predicted_triangles / target - 1) <= kReachable;
+  };
+  Line line{FirstGuess(target), LargestParameter(limits_), ExponentOf(limits_.sizing)};
+  line.build = [&](double parameter) { return Build(parameter, context); };
+  if (limits_.sizing != Sizing::kUniform) {
+    line.improve = [&](const SizedField& sized) { return Improve(sized, target, context); };
   }
+  MESHFRONT_ASSIGN_OR_RETURN(SizedField sized, Approach(count, line));
+  if (!is_reached(sized) && sized.predicted_triangles > target && limits_.sizing != Sizing::kUniform) {
+    const double parameter = sized.parameter;
+    Line detail{std::min(FirstDetail(target), limits_.max_edge), limits_.max_edge, ExponentOf(Sizing::kUniform)};
+    detail.build = [&](double length) {
+      detail_ = length;
+      return Build(parameter, context);
+    };
+    MESHFRONT_ASSIGN_OR_RETURN(sized, Approach(count, detail));
+  }
+  if (!is_reached(sized)) return Unreachable(count, sized.predicted_triangles);
+  return sized;
 }
 
 }  // namespace meshfront

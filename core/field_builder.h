@@ -2,7 +2,9 @@
 // number of triangles.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -25,6 +27,7 @@ struct SizedField {
   double parameter = 0;            // rho, max_error or edge_length, absolute
   double predicted_triangles = 0;  // ≥ 0
   uint64_t clamped_samples = 0;    // whose ideal length was changed by a clamp or by a thin part
+  double detail = 0;               // no edge is shorter than about this for curvature's sake; 0 unless a count needs it
 };
 
 // Uses: FieldBuilder builder(surface, limits); auto sized = builder.Build(0.8, context). What a parameter does not change is
@@ -37,24 +40,48 @@ class FieldBuilder {
   // `parameter`: rho in (0, 2π/3], the error bound, or the median edge, > 0. Fails when the context stops it.
   absl::StatusOr<SizedField> Build(double parameter, const Context& context);
 
-  // The field whose predicted count is within 0.3 % of `count`; mostly three or four of them are built. InvalidArgument when
-  // no parameter makes so few or so many, with what the nearest makes.
+  // The field whose predicted count is within 0.3 % of `count`; mostly two or three of them are built. Where even the largest
+  // parameter makes too many, because the surface is rough, detail is left out. InvalidArgument when so few or so many can't be
+  // made, with what the nearest makes.
   absl::StatusOr<SizedField> BuildForCount(uint64_t count, const Context& context);
 
  private:
   double LongestGuidance() const;
   double WantedLengthAt(double max_curvature) const;
+  double LengthAt(double max_curvature) const;
+  double LengthForSheet(const CurvatureSample& place) const;
   double IdealLengthAt(double max_curvature) const;
   absl::Status MeasureThickness(const Context& context);
   absl::StatusOr<std::vector<SizingSample>> Samples(uint64_t& clamped, const Context& context) const;
+  // Faces that stand for all.
+  struct Probe {
+    std::vector<Vec3> positions;
+    std::vector<std::array<VertexId, 3>> triangles;
+    std::vector<double> curvatures;
+  };
+  // A line to search for a count: fields by one growing value.
+  struct Line {
+    double first, largest, exponent;
+    std::function<absl::StatusOr<SizedField>(double value)> build;
+    std::function<absl::StatusOr<double>(const SizedField& sized)> improve = nullptr;  // a better value
+  };
   double FirstGuess(double count) const;
+  double FirstDetail(double count) const;
+  Probe MakeProbe() const;
+  double CurvatureOf(double length, double parameter) const;
+  absl::StatusOr<double> ProbeCount(const SizedField& sized, double parameter, const Probe& probe,
+                                    const Context& context);
+  absl::StatusOr<double> Improve(const SizedField& sized, double target, const Context& context);
+  absl::StatusOr<SizedField> Approach(uint64_t count, const Line& line) const;
 
   const MeshSurface& surface_;
   const SizingLimits limits_;
   std::vector<double> longest_;  // ideal length of each vertex, by its component's size
   double parameter_ = 0;         // in force
+  double detail_ = 0;            // in force
   double headroom_ = 1;          // thickness is measured for a parameter that much larger
   double measured_ = 0;          // the parameter that thickness was measured for; 0: not yet
+  double measured_detail_ = 0;   // … and the detail
   std::vector<double> sheet_distances_;
 };
 

@@ -115,6 +115,7 @@ absl::Status MakeField(Preparation& p, const Context& context) {
   p.predicted_triangles = sized->predicted_triangles;
   p.parameters.clamped_samples = sized->clamped_samples;
   p.parameters.target_triangles = options.target_triangles.value_or(0);
+  p.parameters.detail = sized->detail / p.scale;
   options.target_triangles.reset();
   SetParameter(p.parameter, p, options);
   p.field = std::move(sized->field);

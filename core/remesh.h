@@ -59,8 +59,9 @@ struct InputReport {
 
 // The parameters in force after defaults and clamps were derived.
 struct ParametersInForce {
-  RemeshOptions options;              // lengths absolute, the sizing's parameter solved for, no target
-  uint64_t target_triangles = 0;      // that it was solved for; 0: none
+  RemeshOptions options;          // lengths absolute, the sizing's parameter solved for, no target
+  double detail = 0;              // absolute: curvature asks for no shorter edges, where a target needs that; 0: it may
+  uint64_t target_triangles = 0;  // that it was solved for; 0: none
   double min_edge = 0, max_edge = 0;  // absolute
   uint64_t clamped_samples = 0;       // sizing samples that a clamp changed
 };

@@ -46,6 +46,7 @@ Json ParametersJson(const v1::ParametersInForce& parameters) {
           {"eta", o.eta()},
           {"sizing", SizingName(o.sizing())},
           {"target_triangles", parameters.target_triangles() > 0 ? Json(parameters.target_triangles()) : Json(nullptr)},
+          {"detail", parameters.detail()},
           {"max_error", LengthJson(o.has_max_error(), o.max_error())},
           {"edge_length", LengthJson(o.has_edge_length(), o.edge_length())},
           {"min_edge", parameters.min_edge()},

@@ -26,7 +26,7 @@ inline constexpr double kTrianglesPerIdealTriangle = 1.0225;
 // grow by the inverse square of that.
 double TrianglesPerIdealTriangle(double length_curvature, double squared_gradient);
 // The median edge of the output where g is constant, in parts of g. Fitted likewise.
-inline constexpr double kMedianEdgePerGuidance = 0.997;
+inline constexpr double kMedianEdgePerGuidance = 0.998;
 
 // The predicted count, ∫ dA / (√3/4 g²) · TrianglesPerIdealTriangle over the faces, by quadrature on faces split until their
 // edges are not longer than g (bounded: at most about two million evaluations of g). ≥ 0; +infinity when it leaves the range of

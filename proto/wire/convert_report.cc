@@ -73,6 +73,7 @@ v1::ParametersInForce ParametersToProto(const ParametersInForce& parameters) {
   proto.set_max_edge(parameters.max_edge);
   proto.set_clamped_samples(parameters.clamped_samples);
   proto.set_target_triangles(parameters.target_triangles);
+  proto.set_detail(parameters.detail);
   return proto;
 }
 
@@ -151,6 +152,7 @@ ParametersInForce ParametersFromProto(const v1::ParametersInForce& proto) {
   parameters.max_edge = proto.max_edge();
   parameters.clamped_samples = proto.clamped_samples();
   parameters.target_triangles = proto.target_triangles();
+  parameters.detail = proto.detail();
   return parameters;
 }
 
