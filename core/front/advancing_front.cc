@@ -52,6 +52,7 @@ constexpr double kRollBackLength = 0.7;    // of g, where the front has to advan
 constexpr size_t kMaxRollBacksAtAPlace = 5;
 constexpr size_t kMaxRollBacksForShape = 3;  // the same for slivers
 constexpr size_t kMaxRollBacks = 500;
+constexpr uint64_t kMaxPerPredicted = 2, kMaxBeyondPredicted = 20000;  // triangles; predictions are right to a tenth
 constexpr int kRollBackRings = 2;
 constexpr double kRollBackReach = 4.0;         // edge lengths around a place that count as the same place
 constexpr double kOwnIntersectionReach = 1.5;  // edge lengths around a fault in which the surface may meet itself
@@ -132,6 +133,8 @@ class AdvancingFront {
   bool RollBack(std::vector<WindowVertexId> around, int rings);
   void SeedAgain(const SourcePoint& seed, uint32_t label);
   void Abandon(const std::vector<FrontEdgeId>& loop);
+  bool HasRunAway() const;
+  void AbandonAll();
   void ReportProgress();
   void ReportOpenLoops(FrontReport& report) const;
   FrontReport Summarise() const;
@@ -452,6 +455,8 @@ bool AdvancingFront::RescueStuck() {
   for (const EdgeRef& r : stuck) {
     if (!fronts_.IsAlive(r.edge, r.generation) || StateOf(r.edge).abandoned || !StateOf(r.edge).stuck) continue;
     const std::vector<FrontEdgeId> loop = LoopOf(r.edge);
+    // Taken back since by another loop's rescue: it can advance again.
+    if (!std::all_of(loop.begin(), loop.end(), [&](FrontEdgeId e) { return StateOf(e).stuck; })) continue;
     if (CloseLoop(loop, kStrictness[2]) || RollBackLoop(loop) || CloseLoop(loop, kStrictness[3]) ||
         CloseLoop(loop, kRegardlessOfNormals)) {
       ++steps_;
@@ -611,6 +616,22 @@ void AdvancingFront::SeedAgain(const SourcePoint& seed, uint32_t label) {
     ++lost_components_;
 }
 
+// Fronts that fold over what is meshed already never end: far beyond the prediction the result is worth no more time.
+bool AdvancingFront::HasRunAway() const {
+  const uint64_t made = window_.counts().triangles + fronts_.triangle_count();
+  return options_.predicted_triangles > 0 &&
+         made > kMaxPerPredicted * options_.predicted_triangles + kMaxBeyondPredicted;
+}
+
+void AdvancingFront::AbandonAll() {
+  for (uint32_t i = 0; i < fronts_.edge_slots(); ++i) {
+    if (fronts_.at(FrontEdgeId(i)).alive) StateOf(FrontEdgeId(i)).abandoned = true;
+  }
+  waiting_ = {};
+  stuck_.clear();
+  roll_backs_ = kMaxRollBacks;
+}
+
 void AdvancingFront::Abandon(const std::vector<FrontEdgeId>& loop) {
   for (const FrontEdgeId e : loop) StateOf(e).abandoned = true;
 }
@@ -713,6 +734,7 @@ absl::StatusOr<FrontReport> AdvancingFront::Run(const std::vector<OrientedLoop>&
   do {
     while (OpenArea() || RescueStuck()) {
       MESHFRONT_RETURN_IF_ERROR(AdvanceArea());
+      if (HasRunAway()) AbandonAll();
       if (fronts_.triangle_count() >= 3 * window_after_settling_ / 2 + kMinSettleBatch)
         MESHFRONT_RETURN_IF_ERROR(Settle(false));
     }

@@ -2,6 +2,7 @@
 //   FlipSweep    edges that raise the smaller of the two smallest angles
 //   SmoothSweep  each vertex to the average of its triangles' centroids weighted by area / (opposite edge)², in the tangent
 //                plane, back on the surface, kept only if the worst angle around it does not fall
+//   RemovalSweep vertices of slivers, where the ring without them can be filled with rounder triangles
 //   SearchSweep  pattern search on the worst radius ratio around a vertex, where it is poor
 //   FitSweep     each vertex along its normal, by least squares of the signed deviations around it
 //   Audit        pairs of triangles that intersect are sent back to the front
@@ -31,6 +32,7 @@ constexpr int kImproveSweeps = 2, kSearchSweeps = 4, kFitSweeps = 2;
 constexpr double kMaxFitPerLength = 0.15;  // the fit moves a vertex by at most this part of its mean spoke
 constexpr double kFitPerErrorBound = 0.9;  // … and at most this part of the error bound of the triangles around it
 constexpr double kFitMayLoseQuality = 0.97;
+constexpr size_t kMaxRing = 24;   // vertices around one that is removed
 constexpr double kSliver = 0.25;  // radius ratio below which a triangle is worth another try of the front
 
 // Sine of the smallest angle: twice the area over the product of the two longest sides.
@@ -121,7 +123,7 @@ bool SettlingWindow::TryFlip(Link h) {
 
 void SettlingWindow::FlipSweep() {
   for (const WindowTriangleId t : around_) {
-    for (int side = 0; side < 3; ++side) {
+    for (int side = 0; side < 3 && fronts_.at(t).alive; ++side) {
       const Link across = fronts_.at(t).across[side];
       if (!across.is_half_edge() || across.triangle() < t || !IsAround(across.triangle())) continue;
       if (TryFlip(Link::HalfEdge(t, side))) ++counts_.flips;
@@ -166,7 +168,7 @@ bool SettlingWindow::TryMove(WindowVertexId id, const Vec3& target,
 void SettlingWindow::SmoothSweep() {
   for (const WindowVertexId id : chosen_) {
     WindowVertex& v = fronts_.at(id);
-    if (!GatherRing(id)) continue;
+    if (!v.alive || !GatherRing(id)) continue;
     Vec3 sum;
     double weights = 0;
     for (const Spoke& s : ring_) {
@@ -186,7 +188,7 @@ void SettlingWindow::SmoothSweep() {
 void SettlingWindow::SearchSweep() {
   for (const WindowVertexId id : chosen_) {
     WindowVertex& v = fronts_.at(id);
-    if (!GatherRing(id)) continue;
+    if (!v.alive || !GatherRing(id)) continue;
     double worst = WorstAround(v.position, v.source.normal, RadiusRatio);
     if (worst >= kSearchBelow) continue;
     double spoke = 0;
@@ -208,11 +210,95 @@ void SettlingWindow::SearchSweep() {
   }
 }
 
+// Loops along which every triangulation is bad leave slivers around vertices that flips and moves can't save: a corner of one goes.
+void SettlingWindow::RemovalSweep() {
+  for (const WindowTriangleId id : around_) {
+    for (int i = 0; i < 3; ++i) {
+      const WindowTriangle& t = fronts_.at(id);
+      if (!t.alive) break;
+      const auto place = [&](int corner) { return fronts_.at(t.corners[corner]).position; };
+      if (RadiusRatio(place(0), place(1), place(2)) >= kSliver) break;
+      if (TryRemoval(t.corners[i])) break;
+    }
+  }
+}
+
+// Replaces the triangles around a vertex by the roundest filling of its ring, if that is rounder than they are.
+bool SettlingWindow::TryRemoval(WindowVertexId id) {
+  const WindowVertex& v = fronts_.at(id);
+  if (!IsReached(v) || v.on_rim) return false;
+  std::vector<WindowVertexId> ring;  // clockwise, as the front will run
+  std::vector<WindowTriangleId> star;
+  bool free = fronts_.VisitFan(id, [&](WindowTriangleId t, int corner) {
+    ring.push_back(fronts_.at(t).corners[(corner + 1) % 3]);
+    star.push_back(t);
+  });
+  std::reverse(ring.begin(), ring.end());
+  free = free && ring.size() <= kMaxRing &&
+         std::none_of(ring.begin(), ring.end(), [&](WindowVertexId r) { return fronts_.at(r).frozen(); });
+  std::vector<WindowVertexId> sorted = ring;
+  std::sort(sorted.begin(), sorted.end());
+  if (!free || ring.size() < 4 || std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) return false;
+  double before = std::numeric_limits<double>::infinity(), agreement = 1;
+  for (const WindowTriangleId t : star) {
+    const WindowVertex* c[3];
+    for (int i = 0; i < 3; ++i) c[i] = &fronts_.at(fronts_.at(t).corners[i]);
+    before = std::min(before, RadiusRatio(c[0]->position, c[1]->position, c[2]->position));
+    agreement = std::min(agreement, NormalAgreement(c[0]->position, c[1]->position, c[2]->position, c[0]->source.normal,
+                                                    c[1]->source.normal, c[2]->source.normal));
+  }
+  double after = 0;
+  std::vector<ClosureStep> steps;
+  if (!FillRing(ring, std::min(agreement, kMinMoveNormalCosine), after, steps) || after <= before) return false;
+  fronts_.Remove(star);
+  for (const ClosureStep& s : steps) {
+    FrontEdgeId base, corner;
+    for (FrontEdgeId c = fronts_.at(ring[s.last]).first_corner; c.valid(); c = fronts_.at(c).next_at_vertex) {
+      if (fronts_.To(c) == ring[s.first]) base = c;
+    }
+    for (FrontEdgeId e = fronts_.at(base).next; e != base; e = fronts_.at(e).next) {
+      if (fronts_.From(e) == ring[s.apex]) corner = e;
+    }
+    fronts_.Connect(base, corner, TriangleKind::kClosing);
+  }
+  return true;
+}
+
+// The filling with the least sum of 1 / ratio², and its least ratio. `least_agreement`: of its normals with those at the corners.
+bool SettlingWindow::FillRing(const std::vector<WindowVertexId>& ring, double least_agreement, double& worst,
+                              std::vector<ClosureStep>& steps) const {
+  const int n = static_cast<int>(ring.size());
+  const auto ratio = [&](int first, int apex, int last) {
+    return RadiusRatio(fronts_.at(ring[last]).position, fronts_.at(ring[apex]).position,
+                       fronts_.at(ring[first]).position);
+  };
+  const auto weight = [&](int first, int apex, int last) -> double {
+    for (const auto& [i, j] : {std::pair{first, apex}, {apex, last}, {first, last}}) {
+      const bool on_ring = j == i + 1 || (i == 0 && j == n - 1);
+      if (!on_ring && fronts_.EdgeExists(ring[i], ring[j])) return -1;
+    }
+    const WindowVertex &p = fronts_.at(ring[last]), &q = fronts_.at(ring[apex]), &r = fronts_.at(ring[first]);
+    if (NormalAgreement(p.position, q.position, r.position, p.source.normal, q.source.normal, r.source.normal) <
+        least_agreement) {
+      return -1;
+    }
+    const double quality = ratio(first, apex, last);
+    return quality > 0 ? 1 / (quality * quality) : -1;
+  };
+  std::optional<std::vector<ClosureStep>> found = TriangulateLoop(n, weight);
+  if (!found) return false;
+  steps = *std::move(found);
+  worst = std::numeric_limits<double>::infinity();
+  for (const ClosureStep& s : steps) worst = std::min(worst, ratio(s.first, s.apex, s.last));
+  return true;
+}
+
 // Before the first sweep of the fit: it moves places along the normal by a fraction of an edge, which hardly moves their feet.
 void SettlingWindow::FindFeet() {
   feet_.resize(around_.size());
   for (uint32_t i = 0; i < around_.size(); ++i) {
     const WindowTriangle& t = fronts_.at(around_[i]);
+    if (!t.alive) continue;
     const WindowVertex* v[3] = {&fronts_.at(t.corners[0]), &fronts_.at(t.corners[1]), &fronts_.at(t.corners[2])};
     const SourcePoint middle = surface_.Snap(v[0]->source, (v[0]->position + v[1]->position + v[2]->position) / 3.0);
     feet_[i].centroid = middle.position;
@@ -260,7 +346,7 @@ void SettlingWindow::FitVertex(WindowVertexId id) {
 
 void SettlingWindow::FitSweep() {
   for (const WindowVertexId id : chosen_) {
-    if (GatherRing(id)) FitVertex(id);
+    if (fronts_.at(id).alive && GatherRing(id)) FitVertex(id);
   }
 }
 
@@ -273,6 +359,7 @@ std::vector<WindowTriangleId> SettlingWindow::Improve(const Context& context) {
     if (options_.smooth) SmoothSweep();
   }
   for (int sweep = 0; sweep < kSearchSweeps && options_.smooth && !stopped(); ++sweep) {
+    RemovalSweep();
     if (options_.flips) FlipSweep();
     SearchSweep();
   }

@@ -7,6 +7,7 @@
 
 #include "absl/status/status.h"
 #include "core/base/context.h"
+#include "core/front/closure.h"
 #include "core/front/front_set.h"
 #include "core/mesh/mesh_sink.h"
 #include "core/mesh/quality.h"
@@ -65,6 +66,10 @@ class SettlingWindow {
   bool TryFlip(Link half_edge);
   void SmoothSweep();
   void SearchSweep();
+  void RemovalSweep();
+  bool TryRemoval(WindowVertexId v);
+  bool FillRing(const std::vector<WindowVertexId>& ring, double least_agreement, double& worst,
+                std::vector<ClosureStep>& steps) const;
   void FindFeet();
   void FitSweep();
   void FitVertex(WindowVertexId id);
