@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/exceptions.h"
 #include "core/base/status_macros.h"
 #include "core/front/advancing_front.h"
 #include "core/geometry/triangle.h"
@@ -125,7 +126,7 @@ absl::Status ValidateOptions(const RemeshOptions& o) {
   return CheckSizing(o);
 }
 
-absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& context) {
+absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& context) try {
   const Clock::time_point start = Clock::now();
   MESHFRONT_ASSIGN_OR_RETURN(Preparation p, Prepare(std::move(problem), context));
   const double prepared = SecondsSince(start);
@@ -170,7 +171,7 @@ absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& co
   return report;
 }
 
-absl::StatusOr<Estimate> EstimateRemesh(Problem problem, const Context& context) {
+absl::StatusOr<Estimate> EstimateRemesh(Problem problem, const Context& context) try {
   MESHFRONT_ASSIGN_OR_RETURN(Preparation p, Prepare(std::move(problem), context));
   Estimate estimate;
   estimate.input = p.input;
@@ -186,6 +187,8 @@ absl::StatusOr<Estimate> EstimateRemesh(Problem problem, const Context& context)
     lengths.push_back({g, weight});
     total += weight;
     double peak = 0;
+} catch (const std::exception&) {
+  return StatusOfException();
     for (const VertexId v : t) peak = std::max(peak, p.surface->vertex_curvatures()[v.index()]);
     bound = std::max(bound, ErrorBoundInForce(p, g, peak));
   }
@@ -207,3 +210,5 @@ absl::StatusOr<Estimate> EstimateRemesh(Problem problem, const Context& context)
 }
 
 }  // namespace meshfront
+} catch (const std::exception&) {
+  return StatusOfException();

@@ -94,7 +94,8 @@ struct Report {
 
 // Meshes the problem into the sink. InvalidArgument: bad option or unusable input; FailedPrecondition: the input can't be meshed
 // under this policy (with the places); Cancelled / DeadlineExceeded; the sink's own status when it stops the job. A mesh that
-// could be closed only in part is OK with `complete == false`. Deterministic at any thread count.
+// could be closed only in part is OK with `complete == false`; one without any triangle is FailedPrecondition.
+// ResourceExhausted: no memory. Deterministic at any thread count.
 absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& context);
 
 struct Estimate {

@@ -1,10 +1,13 @@
 #include "core/base/context.h"
 
 #include <algorithm>
+#include <exception>
+#include <mutex>
 #include <thread>
 #include <vector>
 
 #include "absl/time/clock.h"
+#include "core/base/exceptions.h"
 
 namespace meshfront {
 
@@ -41,18 +44,31 @@ absl::Status ParallelFor(size_t count, size_t grain, const Context& context,
   threads = std::min(threads, blocks);
   std::atomic<size_t> next{0};
   std::atomic<bool> stopped{false};
-  auto work = [&] {
-    for (size_t block = next++; block < blocks && !stopped; block = next++) {
-      if (!context.CheckStop().ok())
-        stopped = true;
-      else
-        body(block * grain, std::min(count, (block + 1) * grain));
+  std::mutex mutex;
+  std::exception_ptr thrown;  // the first
+  auto work = [&]() noexcept {
+    try {
+      for (size_t block = next++; block < blocks && !stopped; block = next++) {
+        if (!context.CheckStop().ok())
+          stopped = true;
+        else
+          body(block * grain, std::min(count, (block + 1) * grain));
+      }
+    } catch (...) {
+      stopped = true;
+      const std::lock_guard<std::mutex> lock(mutex);
+      if (!thrown) thrown = std::current_exception();
     }
   };
   std::vector<std::thread> helpers;
-  for (size_t i = 1; i < threads; ++i) helpers.emplace_back(work);
+  try {
+    for (size_t i = 1; i < threads; ++i) helpers.emplace_back(work);
+  } catch (const std::exception&) {
+    // No room for one more thread: those that are there do the work.
+  }
   work();
   for (std::thread& helper : helpers) helper.join();
+  if (thrown) return StatusOf(thrown);
   return stopped ? context.CheckStop() : absl::OkStatus();
 }
 

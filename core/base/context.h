@@ -39,7 +39,8 @@ struct Context {
 
 // Calls body(begin, end) over a partition of [0, count) in blocks of `grain`, on at most `threads` threads (0 = all cores).
 // Which thread runs which block is open, so bodies must write to their own indices only. Stops early, between blocks, when
-// `context` says so, and returns that status.
+// `context` says so, and returns that status. An exception of a body ends the loop and never leaves it: ResourceExhausted when
+// memory ran out, Internal otherwise. Fewer threads than asked for when the system has no more.
 absl::Status ParallelFor(size_t count, size_t grain, const Context& context,
                          const std::function<void(size_t begin, size_t end)>& body);
 

@@ -55,6 +55,11 @@ TEST(RemeshStop, StopsAfterAtMostOnePieceWhenCancelledMidway) {
   EXPECT_LE(sink.pieces, 5);
 }
 
+TEST(RemeshStop, TurnsExceptionsIntoStatuses) {
+  SinkThat full(0, []() -> absl::Status { throw std::bad_alloc(); });
+  EXPECT_THAT(Remesh(ManyTriangles(), full, {}), StatusIs(absl::StatusCode::kResourceExhausted, "not enough memory"));
+}
+
 TEST(RemeshStop, StopsInEveryStage) {
   std::vector<Stage> stages;
   {
