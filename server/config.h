@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <string>
 
+#include "absl/status/status.h"
+#include "absl/strings/string_view.h"
 #include "absl/time/time.h"
 
 namespace meshfront {
@@ -35,5 +37,7 @@ struct ServerConfig {
 
 // Whether `address` ("host:port") can be reached from this machine only: 127.0.0.0/8, ::1, localhost, unix sockets.
 bool IsLoopback(const std::string& address);
+// OK for HOST:PORT with a port in 0..65535, or a unix socket; else InvalidArgument naming `flag`.
+absl::Status CheckListenAddress(absl::string_view flag, const std::string& address);
 
 }  // namespace meshfront

@@ -148,7 +148,10 @@ int Serve(const ServerConfig& config) {
   return kDone;
 }
 
-}  // namespace
+absl::Status CheckAddresses(const Flags& flags) {
+  MESHFRONT_RETURN_IF_ERROR(CheckListenAddress("--listen", flags.config.listen));
+  return flags.metrics_listen.empty() ? absl::OkStatus() : CheckListenAddress("--metrics-listen", flags.metrics_listen);
+}
 
 int ServeMain(int argc, char** argv) {
   Flags flags;
@@ -172,3 +175,7 @@ int ServeMain(int argc, char** argv) {
 }
 
 }  // namespace meshfront
+  if (const absl::Status checked = CheckAddresses(flags); !checked.ok()) {
+    std::fprintf(stderr, "meshfrontd: %s\n", std::string(checked.message()).c_str());
+    return kUsage;
+  }

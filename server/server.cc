@@ -47,6 +47,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
   }
   auto server = std::unique_ptr<Server>(new Server());
   MESHFRONT_ASSIGN_OR_RETURN(server->service_, Service::Create(config, std::move(engine)));
+  MESHFRONT_RETURN_IF_ERROR(CheckListenAddress("listen", config.listen));
   server->lame_duck_ = config.lame_duck;
   server->SetHealth(HealthService::Response::SERVING);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();

@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
 #include "core/base/status_macros.h"
+#include "proto/wire/host_port.h"
 
 namespace meshfront {
 namespace {
@@ -243,13 +244,7 @@ absl::StatusOr<double> ParseTimeout(const Text& timeout) {
   return ParseNumber("--timeout", *timeout, {0, kInfinity, false, false, "a positive number of seconds"});
 }
 
-absl::Status CheckServerAddress(const std::string& address) {
-  const size_t colon = address.rfind(':');
-  uint32_t port = 0;
-  const bool has_port = colon != std::string::npos && colon > 0 && absl::SimpleAtoi(address.substr(colon + 1), &port);
-  if (has_port && port >= 1 && port <= 65535) return absl::OkStatus();
-  return WrongValue("--server", address, "HOST:PORT with a port from 1 to 65535");
-}
+absl::Status CheckServerAddress(const std::string& address) { return CheckHostPort("--server", address, 1); }
 
 absl::StatusOr<Format> FormatFor(const std::string& path, const Text& format, const std::string& flag) {
   if (format) {

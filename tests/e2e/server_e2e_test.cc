@@ -60,8 +60,15 @@ TEST(ServerProcess, PrintsTheValuesInForceFromFlagsAndTheirEnvironmentTwins) {
 }
 
 TEST(ServerProcess, RefusesBadFlagsWithExitCodeTwo) {
-  const std::vector<std::vector<std::string>> wrong = {
-      {"--nonsense"}, {"--workers", "many"}, {"--metrics-listen", "127.0.0.1:0"}, {"--listen", "0.0.0.0:0"}};
+  const std::vector<std::vector<std::string>> wrong = {{"--nonsense"},
+                                                       {"--workers", "many"},
+                                                       {"--metrics-listen", "127.0.0.1:0"},
+                                                       {"--metrics-listen", "foo"},
+                                                       {"--listen", "0.0.0.0:0"},
+                                                       {"--listen", "127.0.0.1:99999"},
+                                                       {"--listen", "127.0.0.1"},
+                                                       {"--listen", "foo"},
+                                                       {"--max-job-seconds", "-1"}};
   for (const std::vector<std::string>& flags : wrong) {
     std::vector<std::string> arguments = {MESHFRONTD};
     arguments.insert(arguments.end(), flags.begin(), flags.end());
