@@ -11,13 +11,17 @@ namespace {
 
 constexpr uint64_t kFirstCapacity = 4096;
 
-// Makes `out` hold `size` elements. Doubles, but never beyond what was announced: a big mesh does not end with a third
-// unused.
+// Room for `size` elements where there is room for `capacity`. Doubles, but never beyond what was announced: a big mesh
+// does not end with a third unused.
+uint64_t CapacityFor(uint64_t size, uint64_t capacity, uint64_t announced) {
+  if (size <= capacity) return capacity;
+  return std::min(announced, std::max({size, 2 * capacity, kFirstCapacity}));
+}
+
+// Makes `out` hold `size` elements.
 template <class T>
 void GrowTo(std::vector<T>& out, uint64_t size, uint64_t announced) {
-  if (size > out.capacity()) {
-    out.reserve(std::min<uint64_t>(announced, std::max<uint64_t>({size, 2 * out.capacity(), kFirstCapacity})));
-  }
+  out.reserve(CapacityFor(size, out.capacity(), announced));
   out.resize(size);
 }
 
@@ -62,23 +66,33 @@ class FloatWidener {
 ArrayWriter ArrayWriter::ForPoints(v1::Array array, std::vector<Vec3>* out, uint64_t count,
                                    v1::ScalarType scalar_type) {
   static_assert(sizeof(Vec3) == 24);
-  if (scalar_type == v1::SCALAR_TYPE_FLOAT32) return ArrayWriter(array, count * 12, FloatWidener(out, count));
-  return ArrayWriter(array, count * 24,
+  const auto capacity = [out] { return out->capacity(); };
+  if (scalar_type == v1::SCALAR_TYPE_FLOAT32)
+    return ArrayWriter(array, count * 12, {12, sizeof(Vec3), capacity}, FloatWidener(out, count));
+  return ArrayWriter(array, count * 24, {24, sizeof(Vec3), capacity},
                      [out, count](uint64_t offset, absl::string_view data) { CopyBytes(*out, count, offset, data); });
 }
 
 ArrayWriter ArrayWriter::ForTriangles(std::vector<Triangle>* out, uint64_t count) {
-  return ArrayWriter(v1::ARRAY_TRIANGLES, count * 12,
+  return ArrayWriter(v1::ARRAY_TRIANGLES, count * 12, {12, sizeof(Triangle), [out] { return out->capacity(); }},
                      [out, count](uint64_t offset, absl::string_view data) { CopyBytes(*out, count, offset, data); });
 }
 
 ArrayWriter ArrayWriter::ForFile(std::vector<uint8_t>* out, uint64_t bytes) {
-  return ArrayWriter(v1::ARRAY_FILE, bytes,
+  return ArrayWriter(v1::ARRAY_FILE, bytes, {1, 1, [out] { return out->capacity(); }},
                      [out, bytes](uint64_t offset, absl::string_view data) { CopyBytes(*out, bytes, offset, data); });
 }
 
 ArrayWriter ArrayWriter::ForNothing(v1::Array array, uint64_t bytes) {
-  return ArrayWriter(array, bytes, [](uint64_t, absl::string_view) {});
+  return ArrayWriter(array, bytes, {1, 1, [] { return 0; }}, [](uint64_t, absl::string_view) {});
+}
+
+uint64_t ArrayWriter::GrowthFor(uint64_t bytes) const {
+  const uint64_t announced = announced_ / memory_.wire_bytes, capacity = memory_.capacity();
+  if (announced == 0 || bytes > announced_ - received_) return 0;  // Write will refuse it
+  const uint64_t size = (received_ + bytes + memory_.wire_bytes - 1) / memory_.wire_bytes;
+  const uint64_t needed = CapacityFor(size, capacity, announced);
+  return needed > capacity ? needed * memory_.element_bytes : 0;
 }
 
 absl::Status ArrayWriter::Write(uint64_t offset, absl::string_view data) {

@@ -26,6 +26,12 @@ class ArrayWriter {
   v1::Array array() const { return array_; }
   uint64_t announced_bytes() const { return announced_; }
   uint64_t received_bytes() const { return received_; }
+  // The memory that the whole array will take: floats as the doubles they become.
+  uint64_t announced_memory() const { return announced_ / memory_.wire_bytes * memory_.element_bytes; }
+  // The memory that is allocated now, also where nothing was written yet.
+  uint64_t allocated_bytes() const { return memory_.capacity() * memory_.element_bytes; }
+  // What Write would allocate beside that for `bytes` more: the array is copied when it grows.
+  uint64_t GrowthFor(uint64_t bytes) const;
   bool whole() const { return received_ == announced_; }
 
   // InvalidArgument when `offset` is not what was received so far, or `data` is empty or goes beyond what was
@@ -34,12 +40,18 @@ class ArrayWriter {
 
  private:
   using Store = std::function<void(uint64_t offset, absl::string_view data)>;
-  ArrayWriter(v1::Array array, uint64_t announced, Store store)
-      : array_(array), announced_(announced), store_(std::move(store)) {}
+  // An element on the wire and in memory, and how many there is room for.
+  struct Memory {
+    uint64_t wire_bytes, element_bytes;
+    std::function<uint64_t()> capacity;
+  };
+  ArrayWriter(v1::Array array, uint64_t announced, Memory memory, Store store)
+      : array_(array), announced_(announced), memory_(std::move(memory)), store_(std::move(store)) {}
 
   v1::Array array_;
   uint64_t announced_;
   uint64_t received_ = 0;
+  Memory memory_;
   Store store_;
 };
 

@@ -50,11 +50,13 @@ class Call {
   absl::Status Assemble(const Request& request) {
     const uint64_t before = assembler_.bytes();
     const bool had_header = assembler_.has_header();
-    const absl::Status status = assembler_.AcceptMessage(request);
+    absl::Status status = job_->lease.Hold(assembler_.BytesToAccept(request));
+    if (!status.ok()) return status;
+    status = assembler_.AcceptMessage(request);
     NoteForLog();
     if (!status.ok()) return status;
     if (!had_header) return state_.pool.CheckRoom();
-    return job_->lease.Take(assembler_.bytes() - before);
+    return job_->lease.Hold(assembler_.allocated_bytes());
   }
   // What the log line says of the upload: the call may end on another thread than the one that reads.
   void NoteForLog();

@@ -85,7 +85,7 @@ absl::Status InputAssembler::Accept(const v1::Header& header) {
       return absl::InvalidArgumentError("header.input is not set; it must be mesh, points or file");
   }
   uint64_t announced = 0;
-  for (const ArrayWriter& array : arrays_) announced += array.announced_bytes();
+  for (const ArrayWriter& array : arrays_) announced += array.announced_memory();
   MESHFRONT_RETURN_IF_ERROR(CheckCount("header.input in bytes", announced, limits_.max_input_bytes));
   state_ = State::kBlocks;
   return absl::OkStatus();
@@ -140,6 +140,17 @@ ArrayWriter* InputAssembler::Find(v1::Array array) {
   const auto found =
       std::find_if(arrays_.begin(), arrays_.end(), [&](const ArrayWriter& a) { return a.array() == array; });
   return found == arrays_.end() ? nullptr : &*found;
+}
+
+uint64_t InputAssembler::allocated_bytes() const {
+  uint64_t bytes = 0;
+  for (const ArrayWriter& array : arrays_) bytes += array.allocated_bytes();
+  return bytes;
+}
+
+uint64_t InputAssembler::GrowthFor(const v1::DataBlock& block) {
+  const ArrayWriter* array = Find(block.array());
+  return array == nullptr ? 0 : array->GrowthFor(block.data().size());
 }
 
 absl::Status InputAssembler::Accept(const v1::DataBlock& block) {

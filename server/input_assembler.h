@@ -45,6 +45,13 @@ class InputAssembler {
   bool has_header() const { return state_ != State::kHeader; }
   bool whole() const { return state_ == State::kWhole; }
   uint64_t bytes() const { return bytes_; }
+  // The memory that the arrays take now: 0 once they were taken.
+  uint64_t allocated_bytes() const;
+  // The most that they will take while a message is accepted: an array that grows is there twice for a moment.
+  template <class Request>
+  uint64_t BytesToAccept(const Request& request) {
+    return allocated_bytes() + (request.has_block() ? GrowthFor(request.block()) : 0);
+  }
   // Valid once there is a header.
   const std::string& request_id() const { return request_id_; }
   const RemeshOptions& options() const { return options_; }
@@ -61,6 +68,7 @@ class InputAssembler {
   absl::Status AnnouncePoints(const v1::PointSet& points);
   absl::Status AnnounceFile(const v1::WholeFile& file);
   absl::Status CheckNewIndices();
+  uint64_t GrowthFor(const v1::DataBlock& block);
   ArrayWriter* Find(v1::Array array);
 
   ServerLimits limits_;

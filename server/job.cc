@@ -32,16 +32,29 @@ struct ParsedInput {
   std::vector<std::string> dropped_attributes;
 };
 
-absl::StatusOr<ParsedInput> ParseInput(const ServiceState& state, AssembledInput input) {
+uint64_t AllocatedBytes(const TriangleMesh& mesh) {
+  return mesh.positions.capacity() * sizeof(Vec3) + mesh.normals.capacity() * sizeof(Vec3) +
+         mesh.triangles.capacity() * sizeof(Triangle);
+}
+
+// A file's bytes are held already; what it decompresses to and the mesh in it are held beside them, within what is left.
+absl::StatusOr<ParsedInput> ParseFile(const ServiceState& state, PendingBytes::Lease& lease,
+                                      const AssembledInput& input) {
+  ReadLimits limits;
+  limits.max_decompressed_bytes = state.config.limits.max_input_bytes;
+  limits.admit = [&, held = lease.held()](uint64_t bytes) { return lease.Hold(held + bytes); };
+  MESHFRONT_ASSIGN_OR_RETURN(ReadResult read, ReadMesh(input.file, input.format, input.file_name, limits));
+  MESHFRONT_RETURN_IF_ERROR(lease.Hold(AllocatedBytes(read.mesh)));  // the bytes of the file go with this call's end
+  return ParsedInput{std::move(read.mesh), std::move(read.warnings), {}};
+}
+
+absl::StatusOr<ParsedInput> ParseInput(const ServiceState& state, Job& job) {
+  AssembledInput input = std::move(job.input);
   ParsedInput parsed;
   if (input.file.empty()) {
     parsed.mesh = std::move(input.mesh);
   } else {
-    ReadLimits limits;
-    limits.max_decompressed_bytes = state.config.limits.max_input_bytes;
-    MESHFRONT_ASSIGN_OR_RETURN(ReadResult read, ReadMesh(input.file, input.format, input.file_name, limits));
-    parsed.mesh = std::move(read.mesh);
-    parsed.warnings = std::move(read.warnings);
+    MESHFRONT_ASSIGN_OR_RETURN(parsed, ParseFile(state, job.lease, input));
   }
   parsed.dropped_attributes = parsed.mesh.dropped_attributes;
   return parsed;
@@ -123,7 +136,7 @@ void FillSummary(const Job& job, const JobTimes& times, const StreamSink& sink, 
 absl::Status RemeshBody(ServiceState& state, Job& job) {
   JobTimes times;
   times.started = absl::Now();
-  MESHFRONT_ASSIGN_OR_RETURN(ParsedInput input, ParseInput(state, std::move(job.input)));
+  MESHFRONT_ASSIGN_OR_RETURN(ParsedInput input, ParseInput(state, job));
   times.parsed = absl::Now();
   const Context context = ContextOf(job);
   MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
@@ -145,7 +158,7 @@ absl::Status RemeshBody(ServiceState& state, Job& job) {
 absl::Status EstimateBody(ServiceState& state, Job& job) {
   JobTimes times;
   times.started = absl::Now();
-  MESHFRONT_ASSIGN_OR_RETURN(ParsedInput input, ParseInput(state, std::move(job.input)));
+  MESHFRONT_ASSIGN_OR_RETURN(ParsedInput input, ParseInput(state, job));
   times.parsed = absl::Now();
   Context context = ContextOf(job);
   context.progress = nullptr;

@@ -15,7 +15,7 @@ class PendingBytes {
  public:
   explicit PendingBytes(uint64_t limit) : limit_(limit) {}
 
-  // What one call has taken; given back when it is destroyed.
+  // What one call holds; given back when it is destroyed. One thread at a time.
   class Lease {
    public:
     explicit Lease(PendingBytes& owner) : owner_(owner) {}
@@ -23,16 +23,23 @@ class PendingBytes {
     Lease& operator=(const Lease&) = delete;
     ~Lease() { owner_.used_ -= taken_; }
 
-    // ResourceExhausted with RetryInfo when the server holds too much already.
-    absl::Status Take(uint64_t bytes) {
-      taken_ += bytes;
-      if ((owner_.used_ += bytes) <= owner_.limit_) return absl::OkStatus();
+    // From now on the call holds `bytes` in all, more than before or less. ResourceExhausted with RetryInfo when all calls
+    // together would exceed the limit; then it holds what it held.
+    absl::Status Hold(uint64_t bytes) {
+      const uint64_t more = bytes > taken_ ? bytes - taken_ : 0;
+      if (more == 0 || (owner_.used_ += more) <= owner_.limit_) {
+        if (bytes < taken_) owner_.used_ -= taken_ - bytes;
+        taken_ = bytes;
+        return absl::OkStatus();
+      }
+      owner_.used_ -= more;
       return WithRetry(
           WithReason(absl::ResourceExhaustedError(absl::StrCat("the uploads of all callers together exceed ",
                                                                owner_.limit_, " bytes; try again later")),
                      "MEMORY_FULL", {{"limit", absl::StrCat(owner_.limit_)}}),
           absl::Seconds(2));
     }
+    uint64_t held() const { return taken_; }
 
    private:
     PendingBytes& owner_;

@@ -23,11 +23,13 @@ struct InflateStream {
   ~InflateStream() { inflateEnd(&z); }
 };
 
-// Room for more output: twice the old size, within what the limit and the rest of the input allow.
-bool Grow(ByteBuffer& out, uint64_t used, uint64_t limit, uint64_t compressed_left) {
+// Room for more output: twice the old size, within what the limit, the reader's budget and the rest of the input allow.
+absl::Status Grow(const Source& source, ByteBuffer& out, uint64_t used, uint64_t limit, uint64_t compressed_left) {
   const uint64_t possible = used + std::min(limit - used, compressed_left * kMostExpansion + (64 << 10));
   const uint64_t size = std::min<uint64_t>(possible, std::max<uint64_t>(2 * used, 64 << 10));
-  return size > used && out.Resize(size);
+  if (source.limits.admit) MESHFRONT_RETURN_IF_ERROR(source.limits.admit(size));
+  if (size > used && out.Resize(size)) return absl::OkStatus();
+  return absl::ResourceExhaustedError(absl::StrCat(source.name, ": no memory for ", used, " decompressed bytes"));
 }
 
 bool IsAllZero(absl::Span<const uint8_t> bytes) {
@@ -46,9 +48,7 @@ absl::StatusOr<ByteBuffer> Inflate(const Source& source) {
   ByteBuffer out;
   uint64_t used = 0, taken = 0;
   for (;;) {
-    if (used == out.size() && !Grow(out, used, limit, source.bytes.size() - taken)) {
-      return absl::ResourceExhaustedError(absl::StrCat(source.name, ": no memory for ", used, " decompressed bytes"));
-    }
+    if (used == out.size()) MESHFRONT_RETURN_IF_ERROR(Grow(source, out, used, limit, source.bytes.size() - taken));
     stream.z.next_in = const_cast<Bytef*>(source.bytes.data() + taken);
     stream.z.avail_in = AtMost32(source.bytes.size() - taken);
     stream.z.next_out = out.data() + used;

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,6 +33,8 @@ std::string_view FormatName(Format format);
 
 struct ReadLimits {
   uint64_t max_decompressed_bytes = 4ull << 30;  // of a file after gzip, and of all buffers a glTF file names together
+  // Asked before the memory of a decompressed file grows to `bytes`: an error ends the reading and is returned. May be empty.
+  std::function<absl::Status(uint64_t bytes)> admit;
 };
 
 struct ReadResult {

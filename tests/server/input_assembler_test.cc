@@ -181,6 +181,39 @@ TEST(InputAssembler, FindsADamagedUploadByItsDigest) {
   }
 }
 
+v1::RemeshRequest RequestWith(v1::DataBlock block) {
+  v1::RemeshRequest request;
+  *request.mutable_block() = std::move(block);
+  return request;
+}
+
+TEST(InputAssembler, KnowsTheMemoryThatItsArraysTakeAndWillTake) {
+  v1::Header header = TriangleHeader();
+  header.mutable_mesh()->set_vertex_count(1'000'000);
+  header.mutable_mesh()->set_scalar_type(v1::SCALAR_TYPE_FLOAT32);
+  Started s(header);
+  EXPECT_EQ(s.assembler.allocated_bytes(), 0u);
+  for (uint64_t offset = 0; offset < 12'000'000; offset += 120'000) {
+    const v1::RemeshRequest request = RequestWith(Block(v1::ARRAY_POSITIONS, offset, std::string(120'000, '\0')));
+    const uint64_t before = s.assembler.allocated_bytes(), at_most = s.assembler.BytesToAccept(request);
+    ASSERT_TRUE(s.assembler.AcceptMessage(request).ok());
+    const uint64_t after = s.assembler.allocated_bytes();
+    EXPECT_GE(after, 2 * (offset + 120'000)) << "floats become doubles";
+    EXPECT_EQ(at_most, after == before ? before : before + after) << "the old array stays until it is copied";
+  }
+  EXPECT_EQ(s.assembler.allocated_bytes(), 24'000'000u);
+}
+
+TEST(InputAssembler, CountsFloatsAsTheDoublesTheyBecome) {
+  ServerLimits limits;
+  limits.max_input_bytes = 30'000'000;
+  v1::Header header = TriangleHeader();
+  header.mutable_mesh()->set_vertex_count(2'000'000);
+  header.mutable_mesh()->set_scalar_type(v1::SCALAR_TYPE_FLOAT32);
+  InputAssembler assembler(limits);
+  EXPECT_EQ(assembler.Accept(header).code(), Code::kResourceExhausted);
+}
+
 TEST(InputAssembler, TakesMemoryForWhatCameNotForWhatWasAnnounced) {
   v1::Header header;
   header.mutable_mesh()->set_vertex_count(50'000'000);  // 1.2 GB

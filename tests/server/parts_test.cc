@@ -71,11 +71,22 @@ TEST(PendingBytes, AreGivenBackWithTheLease) {
   PendingBytes pending(100);
   {
     PendingBytes::Lease first(pending), second(pending);
-    EXPECT_TRUE(first.Take(60).ok());
-    EXPECT_EQ(second.Take(60).code(), absl::StatusCode::kResourceExhausted);
+    EXPECT_TRUE(first.Hold(60).ok());
+    EXPECT_EQ(second.Hold(60).code(), absl::StatusCode::kResourceExhausted);
   }
   PendingBytes::Lease third(pending);
-  EXPECT_TRUE(third.Take(100).ok());
+  EXPECT_TRUE(third.Hold(100).ok());
+}
+
+TEST(PendingBytes, AreWhatACallHoldsNowAndARefusalTakesNothing) {
+  PendingBytes pending(100);
+  PendingBytes::Lease first(pending), second(pending);
+  ASSERT_TRUE(first.Hold(90).ok());
+  EXPECT_FALSE(second.Hold(20).ok());
+  EXPECT_TRUE(second.Hold(10).ok());
+  ASSERT_TRUE(first.Hold(30).ok());
+  EXPECT_TRUE(second.Hold(70).ok());
+  EXPECT_EQ(second.held(), 70u);
 }
 
 TEST(UploadWatch, AbortsACallThatSendsNothing) {

@@ -1,6 +1,7 @@
 // The whole service with engines that do what a test says, over gRPC's in-process transport.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include <thread>
 
@@ -227,6 +228,114 @@ TEST(Service, EndsAFaultyJobWithItsIdAndNothingOfTheInside) {
   }
   EXPECT_TRUE(local.Remesh(TriangleRequest()).status.ok()) << "the server goes on";
 }
+TEST(Service, EndsAJobWithoutMemoryWithATimeToRetryAndGoesOn) {
+  Engine engine;
+  engine.remesh = [](Problem problem, MeshSink& sink, const Context& context) -> absl::StatusOr<Report> {
+    if (problem.options.eta == 1.5) throw std::bad_alloc();
+    return EmitStrip(10, sink, context);
+  };
+  Local local(std::move(engine));
+  v1::Header header = TriangleHeader();
+  header.mutable_options()->set_eta(1.5);
+  const Outcome outcome = local.Remesh(TriangleRequest(header));
+  EXPECT_EQ(outcome.status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_THAT(outcome.status.error_message(), HasSubstr("not enough memory"));
+  EXPECT_EQ(outcome.reason(), "OUT_OF_MEMORY");
+  EXPECT_TRUE(FromGrpcStatus(outcome.status).GetPayload("type.googleapis.com/google.rpc.RetryInfo"));
+  EXPECT_TRUE(local.Remesh(TriangleRequest()).status.ok());
+}
+
+TEST(Service, RefusesWhatComesAfterTheEndAndStopsTheJob) {
+  const std::vector<v1::RemeshRequest> request = TriangleRequest();
+  for (const v1::RemeshRequest& extra : {request[0], request[1], request[3], v1::RemeshRequest()}) {
+    auto started = std::make_shared<Signal>(), stopped = std::make_shared<Signal>();
+    Local local(EndlessEngine(started, stopped));
+    grpc::ClientContext context;
+    const auto stream = local.stub->Remesh(&context);
+    for (const v1::RemeshRequest& message : request) ASSERT_TRUE(stream->Write(message));
+    ASSERT_TRUE(started->Wait());
+    stream->Write(extra);
+    const Outcome outcome = ReadToEnd(*stream);
+    EXPECT_EQ(outcome.status.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << extra.ShortDebugString();
+    EXPECT_TRUE(stopped->Wait());
+  }
+}
+
+TEST(Service, FinishesForACallerThatNeverClosesItsSide) {
+  Local local(StripEngine(1000));
+  grpc::ClientContext context;
+  const auto stream = local.stub->Remesh(&context);
+  for (const v1::RemeshRequest& message : TriangleRequest()) ASSERT_TRUE(stream->Write(message));
+  const Outcome outcome = ReadToEnd(*stream);
+  EXPECT_TRUE(outcome.status.ok()) << outcome.status.error_message();
+  EXPECT_NE(outcome.summary(), nullptr);
+}
+
+TEST(Service, EndsAJobThatTakesLongerThanTheServerAllows) {
+  auto started = std::make_shared<Signal>(), stopped = std::make_shared<Signal>();
+  ServerConfig config = InProcess::DefaultConfig();
+  config.max_job = absl::Milliseconds(20);
+  Local local(EndlessEngine(started, stopped), config);
+  const Outcome outcome = local.Remesh(TriangleRequest());
+  EXPECT_EQ(outcome.status.error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
+  EXPECT_EQ(outcome.reason(), "JOB_TIME_LIMIT");
+  EXPECT_THAT(outcome.status.error_message(), HasSubstr("20ms"));
+  grpc::ClientContext context;
+  v1::GetCapabilitiesResponse response;
+  ASSERT_TRUE(local.stub->GetCapabilities(&context, {}, &response).ok());
+  EXPECT_EQ(response.limits().max_job_seconds(), 0.02);
+}
+
+TEST(Service, CountsFloatsThatBecomeDoublesAgainstTheMemoryOfAllUploads) {
+  ServerConfig config = InProcess::DefaultConfig();
+  config.limits.max_pending_bytes = 20 << 20;  // 12 MB on the wire, 24 MB in memory
+  Local local(StripEngine(1), config);
+  v1::Header header = TriangleHeader();
+  header.mutable_mesh()->set_vertex_count(1'000'000);
+  header.mutable_mesh()->set_scalar_type(v1::SCALAR_TYPE_FLOAT32);
+  std::vector<v1::RemeshRequest> messages = TriangleRequest(header);
+  messages.resize(1);
+  for (uint64_t offset = 0; offset < 12'000'000; offset += 1'000'000) {
+    *messages.emplace_back().mutable_block() = Block(v1::ARRAY_POSITIONS, offset, std::string(1'000'000, '\0'));
+  }
+  const Outcome outcome = local.Remesh(messages);
+  EXPECT_EQ(outcome.status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_EQ(outcome.reason(), "MEMORY_FULL");
+}
+
+std::string Gzipped(const std::string& text) {
+  std::string out(compressBound(text.size()) + 64, '\0');
+  z_stream stream{};
+  deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY);
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
+  stream.avail_in = static_cast<uInt>(text.size());
+  stream.next_out = reinterpret_cast<Bytef*>(out.data());
+  stream.avail_out = static_cast<uInt>(out.size());
+  deflate(&stream, Z_FINISH);
+  out.resize(stream.total_out);
+  deflateEnd(&stream);
+  return out;
+}
+
+TEST(Service, DecompressesAFileWithinTheMemoryOfAllUploadsOnly) {
+  ServerConfig config = InProcess::DefaultConfig();
+  config.limits.max_pending_bytes = 4 << 20;
+  Local local(StripEngine(1), config);
+  const std::string triangle = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  for (const size_t padding : {0, 16 << 20}) {
+    const std::string file = Gzipped(triangle + std::string(padding, ' '));
+    std::vector<v1::RemeshRequest> messages(3);
+    messages[0].mutable_header()->mutable_file()->set_size_bytes(file.size());
+    messages[0].mutable_header()->mutable_file()->set_name("a.off.gz");
+    *messages[1].mutable_block() = Block(v1::ARRAY_FILE, 0, file);
+    messages[2].mutable_end();
+    const Outcome outcome = local.Remesh(messages);
+    EXPECT_EQ(outcome.status.error_code(), padding == 0 ? grpc::StatusCode::OK : grpc::StatusCode::RESOURCE_EXHAUSTED)
+        << outcome.status.error_message();
+    EXPECT_EQ(outcome.reason(), padding == 0 ? "" : "MEMORY_FULL");
+  }
+}
+
 
 TEST(Service, ListsTheDefectsOfAMeshThatMayNotBeRepaired) {
   Engine engine;
