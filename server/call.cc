@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/exceptions.h"
 #include "proto/wire/convert.h"
 #include "proto/wire/errors.h"
 
@@ -21,7 +22,11 @@ Call::Call(ServiceState& state, Peer peer, EventWriter* writer, Run run)
   job_->upload_begin = absl::Now();
 }
 
-Call::~Call() = default;
+Call::~Call() {
+  // Only where what should have begun the call threw: otherwise it has ended and left.
+  if (entered_) state_.watch.Remove(watch_id_);
+  if (entered_.exchange(false)) state_.gate.Leave();
+}
 
 bool Call::Begin() {
   if (absl::Status status = state_.gate.Enter(); !status.ok()) {
@@ -49,11 +54,30 @@ bool Call::AfterMessage(const absl::Status& status) {
     return !events_->ended();
   }
   Submit();
+  submitted_ = true;
+  return !events_->ended();
+}
+
+bool Call::RefuseMore(const absl::Status& status) {
+  if (const uint64_t ticket = ticket_; ticket != 0) state_.pool.Remove(ticket);
+  events_->Close(status);
   return false;
 }
 
+void Call::OnFault() noexcept {
+  absl::Status status(absl::StatusCode::kResourceExhausted, "");  // needs no memory
+  try {
+    status = Presentable(state_, job_->id, StatusOfException());
+  } catch (...) {
+  }
+  try {
+    events_->Close(status);
+  } catch (...) {
+  }
+}
+
 void Call::OnInputCut() {
-  if (assembler_.whole()) return;
+  if (submitted_) return;
   events_->Close(absl::InvalidArgumentError(assembler_.has_header()
                                                 ? "end is missing; the stream was closed before the input was whole"
                                                 : "header is missing; the stream was closed before it"));
@@ -102,13 +126,25 @@ absl::Status Call::CancelStatus() const {
 
 void Call::OnCancel() {
   job_->stop = true;
-  if (const uint64_t ticket = ticket_; ticket != 0) state_.pool.Remove(ticket);
-  events_->Cancel(CancelStatus());
+  try {
+    if (const uint64_t ticket = ticket_; ticket != 0) state_.pool.Remove(ticket);
+    events_->Cancel(CancelStatus());
+  } catch (...) {
+    OnFault();
+  }
 }
 
-void Call::OnEnded(const absl::Status& status) {
+void Call::OnEnded(const absl::Status& status) noexcept {
   job_->stop = true;  // whatever ended the call, nobody waits for the job any more
   state_.watch.Remove(watch_id_);
+  try {
+    WriteLogLine(status);
+  } catch (...) {  // without memory for the line the call must end all the same
+  }
+  if (entered_.exchange(false)) state_.gate.Leave();
+}
+
+void Call::WriteLogLine(const absl::Status& status) {
   const v1::Summary& summary = job_->summary;
   const bool done = status.ok();
   std::lock_guard lock(noted_mutex_);
@@ -124,7 +160,6 @@ void Call::OnEnded(const absl::Status& status) {
                      {"chunks", done ? summary.chunks() : 0},
                      {"engine_seconds", done ? summary.seconds().engine() : 0},
                      {"seconds", absl::ToDoubleSeconds(absl::Now() - job_->upload_begin)}});
-  if (entered_.exchange(false)) state_.gate.Leave();
 }
 
 }  // namespace meshfront

@@ -31,24 +31,34 @@ class Call {
 
   // Lets the call in, or ends it. True: read.
   bool Begin();
-  // Takes a message. True: read the next one.
+  // Takes a message. True: read the next one, also after the end, where none may come. What throws here ends the call, not
+  // the server.
   template <class Request>
   bool OnMessage(const Request& request) {
-    return AfterMessage(Assemble(request));
+    try {
+      return submitted_ ? RefuseMore(assembler_.AcceptMessage(request)) : AfterMessage(Assemble(request));
+    } catch (...) {
+      if (!submitted_) (void)assembler_.Take();  // what was uploaded: its memory lets the rest of this succeed
+      OnFault();
+      return false;
+    }
   }
+  // Ends the call with what the exception that is being handled means. Never throws: in a catch block only.
+  void OnFault() noexcept;
+  // Whether the input is whole: no message has a place any more.
+  bool submitted() const { return submitted_; }
   // The client said no more before the input was whole.
   void OnInputCut();
   void OnCancel();
   void OnWritten(bool ok) { events_->OnWritten(ok); }
   // The writer's EndCall calls this: releases what the call holds and writes the log line.
-  void OnEnded(const absl::Status& status);
+  void OnEnded(const absl::Status& status) noexcept;
 
   const Job& job() const { return *job_; }
 
  private:
   template <class Request>
   absl::Status Assemble(const Request& request) {
-    const uint64_t before = assembler_.bytes();
     const bool had_header = assembler_.has_header();
     absl::Status status = job_->lease.Hold(assembler_.BytesToAccept(request));
     if (!status.ok()) return status;
@@ -61,7 +71,9 @@ class Call {
   // What the log line says of the upload: the call may end on another thread than the one that reads.
   void NoteForLog();
   bool AfterMessage(const absl::Status& status);
+  bool RefuseMore(const absl::Status& status);
   void Submit();
+  void WriteLogLine(const absl::Status& status);
   v1::MeshEvent AcceptedEvent(uint32_t position, const Box3& bounds) const;
   absl::Status CancelStatus() const;
 
@@ -71,6 +83,7 @@ class Call {
   const std::shared_ptr<EventStream> events_;
   const std::shared_ptr<Job> job_;
   InputAssembler assembler_;
+  bool submitted_ = false;  // as the assembler, of the thread that reads
   std::mutex noted_mutex_;
   std::string noted_request_id_;
   uint64_t noted_bytes_ = 0;

@@ -20,24 +20,26 @@ struct ServerLimits {
 };
 
 struct ServerConfig {
-  std::string listen = "127.0.0.1:50051";            // port 0: any free one
-  bool insecure = false;                             // allows an address off loopback without TLS
-  int threads = 0;                                   // most of one job; 0 = all cores
-  int workers = 0;                                   // jobs at a time; 0 = all cores, at least 2
-  int max_queue = 256;                               // jobs that wait
-  absl::Duration stall_timeout = absl::Seconds(30);  // how long a job waits for a reader, or a call for an upload
-  absl::Duration keepalive = absl::Seconds(30);      // an idle connection is asked for a sign of life so often
-  absl::Duration lame_duck = absl::ZeroDuration();   // from NOT_SERVING to refusing new calls
-  std::string log;                                   // file of the job log; empty: stderr; "off": none
+  std::string listen = "127.0.0.1:50051";             // port 0: any free one
+  bool insecure = false;                              // allows an address off loopback without TLS
+  int threads = 0;                                    // most of one job; 0 = all cores
+  int workers = 0;                                    // jobs at a time; 0 = all cores, at least 2
+  int max_queue = 256;                                // jobs that wait
+  absl::Duration stall_timeout = absl::Seconds(30);   // how long a job waits for a reader, or a call for an upload
+  absl::Duration keepalive = absl::Seconds(30);       // an idle connection is asked for a sign of life so often
+  absl::Duration lame_duck = absl::ZeroDuration();    // from NOT_SERVING to refusing new calls
+  absl::Duration drain_timeout = absl::Minutes(10);   // how long a shutdown waits for open calls before it cancels them
+  absl::Duration max_job = absl::InfiniteDuration();  // the longest that a worker runs a job
+  std::string log;                                    // file of the job log; empty: stderr; "off": none
   ServerLimits limits;
 
   int MaxThreads() const;  // `threads` with 0 resolved
   int Workers() const;     // `workers` with 0 resolved
 };
 
-// Whether `address` ("host:port") can be reached from this machine only: 127.0.0.0/8, ::1, localhost, unix sockets.
-bool IsLoopback(const std::string& address);
 // OK for HOST:PORT with a port in 0..65535, or a unix socket; else InvalidArgument naming `flag`.
 absl::Status CheckListenAddress(absl::string_view flag, const std::string& address);
+// Whether `address` ("host:port") can be reached from this machine only: 127.0.0.0/8, ::1, localhost, unix sockets.
+bool IsLoopback(const std::string& address);
 
 }  // namespace meshfront

@@ -82,6 +82,16 @@ void EventStream::OnWritten(bool ok) {
 void EventStream::Pump(std::unique_lock<std::mutex>& lock) {
   if (pumping_) return;
   pumping_ = true;
+  try {
+    ActWhilePossible(lock);
+  } catch (...) {  // no memory for an event; the next one who comes looks again
+    pumping_ = false;
+    throw;
+  }
+  pumping_ = false;
+}
+
+void EventStream::ActWhilePossible(std::unique_lock<std::mutex>& lock) {
   while (!ended_) {
     std::optional<v1::MeshEvent> event;
     if (final_ && !final_->ok()) {
@@ -111,7 +121,6 @@ void EventStream::Pump(std::unique_lock<std::mutex>& lock) {
     }
     lock.lock();
   }
-  pumping_ = false;
 }
 
 bool EventStream::ended() const {

@@ -18,7 +18,7 @@ namespace meshfront {
 class EventWriter {
  public:
   virtual ~EventWriter() = default;
-  // Starts the one outstanding write; EventStream::OnWritten follows when it is done, perhaps before this returns.
+  // Neither throws. Starts the one outstanding write; EventStream::OnWritten follows when it is done, perhaps before this returns.
   virtual void StartEvent(v1::MeshEvent event) = 0;
   // Ends the call. Once, last: the writer may be gone when it returns.
   virtual void EndCall(const absl::Status& status) = 0;
@@ -61,6 +61,7 @@ class EventStream {
 
  private:
   void Pump(std::unique_lock<std::mutex>& lock);
+  void ActWhilePossible(std::unique_lock<std::mutex>& lock);
   absl::Status WaitFor(std::unique_lock<std::mutex>& lock, size_t most_waiting);
 
   EventWriter* const writer_;

@@ -4,10 +4,11 @@
 
 #include <sys/resource.h>
 
-#include <exception>
+#include <algorithm>
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "core/base/exceptions.h"
 #include "core/base/status_macros.h"
 #include "proto/wire/convert.h"
 #include "proto/wire/errors.h"
@@ -19,6 +20,8 @@ namespace {
 
 // Progress that comes faster than this is dropped, except where the stage or the prediction changes.
 constexpr absl::Duration kProgressInterval = absl::Milliseconds(50);
+// When memory ran out, the jobs that hold it need about so long.
+constexpr absl::Duration kRetryAfterOutOfMemory = absl::Seconds(5);
 
 uint64_t PeakRssBytes() {
   struct rusage usage {};
@@ -83,10 +86,10 @@ class ProgressTeller {
   Progress last_;
 };
 
-Context ContextOf(const Job& job) {
+Context ContextOf(const ServiceState& state, const Job& job, absl::Time started) {
   Context context;
   context.stop = &job.stop;
-  context.deadline = job.deadline;
+  context.deadline = std::min(job.deadline, started + state.config.max_job);
   context.threads = job.threads;
   context.progress = ProgressTeller(*job.events);
   return context;
@@ -138,7 +141,7 @@ absl::Status RemeshBody(ServiceState& state, Job& job) {
   times.started = absl::Now();
   MESHFRONT_ASSIGN_OR_RETURN(ParsedInput input, ParseInput(state, job));
   times.parsed = absl::Now();
-  const Context context = ContextOf(job);
+  const Context context = ContextOf(state, job, times.started);
   MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
   MESHFRONT_RETURN_IF_ERROR(AnnounceDefects(job, input.mesh));
   StreamSink sink(*job.events, job.output);
@@ -160,7 +163,7 @@ absl::Status EstimateBody(ServiceState& state, Job& job) {
   times.started = absl::Now();
   MESHFRONT_ASSIGN_OR_RETURN(ParsedInput input, ParseInput(state, job));
   times.parsed = absl::Now();
-  Context context = ContextOf(job);
+  Context context = ContextOf(state, job, times.started);
   context.progress = nullptr;
   MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
   MESHFRONT_ASSIGN_OR_RETURN(const Estimate estimate,
@@ -172,8 +175,49 @@ absl::Status EstimateBody(ServiceState& state, Job& job) {
   return absl::OkStatus();
 }
 
-// What may leave the server: of a fault, the id and nothing of the inside.
-absl::Status Presentable(ServiceState& state, const Job& job, const absl::Status& status) {
+// The server's own limit on a job's time told from the caller's deadline.
+absl::Status WithTimeLimit(const ServiceState& state, const Job& job, absl::Status status) {
+  if (!absl::IsDeadlineExceeded(status) || absl::Now() >= job.deadline) return status;
+  const std::string limit = absl::FormatDuration(state.config.max_job);
+  return WithReason(
+      absl::DeadlineExceededError(absl::StrCat("the job took longer than ", limit, ", which this server allows a job")),
+      "JOB_TIME_LIMIT", {{"limit", limit}});
+}
+
+// Closes the events whatever happens.
+void End(ServiceState& state, Job& job, const absl::Status& status) noexcept {
+  absl::Status final(status.code(), "");  // needs no memory
+  try {
+    // An error overtakes what is in the ring; here that would be the list of defects.
+    if (absl::IsFailedPrecondition(status)) (void)job.events->Drain();
+    final = Presentable(state, job.id, WithTimeLimit(state, job, status));
+  } catch (...) {
+  }
+  try {
+    job.events->Close(final);
+  } catch (...) {
+  }
+}
+
+template <class Body>
+void RunGuarded(ServiceState& state, Job& job, Body body) {
+  absl::Status status;
+  try {
+    status = body(state, job);
+  } catch (...) {
+    status = StatusOfException();
+  }
+  End(state, job, status);
+}
+
+}  // namespace
+
+absl::Status Presentable(ServiceState& state, const std::string& job_id, const absl::Status& status) {
+  const auto log_fault = [&] { state.log->Write({{"fault", status.ToString()}, {"job", job_id}}); };
+  if (IsOutOfMemory(status)) {
+    log_fault();
+    return WithRetry(WithReason(status, "OUT_OF_MEMORY", {{"job_id", job_id}}), kRetryAfterOutOfMemory);
+  }
   switch (status.code()) {
     case absl::StatusCode::kOk:
     case absl::StatusCode::kInvalidArgument:
@@ -189,27 +233,10 @@ absl::Status Presentable(ServiceState& state, const Job& job, const absl::Status
     default:
       break;
   }
-  state.log->Write({{"fault", status.ToString()}, {"job", job.id}});
-  return WithReason(absl::InternalError(absl::StrCat("internal error in job ", job.id, "; the server's log says more")),
-                    "INTERNAL", {{"job_id", job.id}});
+  log_fault();
+  return WithReason(absl::InternalError(absl::StrCat("internal error in job ", job_id, "; the server's log says more")),
+                    "INTERNAL", {{"job_id", job_id}});
 }
-
-template <class Body>
-void RunGuarded(ServiceState& state, Job& job, Body body) {
-  absl::Status status;
-  try {
-    status = body(state, job);
-  } catch (const std::exception& e) {
-    status = absl::InternalError(absl::StrCat("exception: ", e.what()));
-  } catch (...) {
-    status = absl::InternalError("exception of unknown type");
-  }
-  // An error overtakes what is in the ring; here that would be the list of defects.
-  if (absl::IsFailedPrecondition(status)) (void)job.events->Drain();
-  job.events->Close(Presentable(state, job, status));
-}
-
-}  // namespace
 
 void RunRemesh(ServiceState& state, Job& job) { RunGuarded(state, job, RemeshBody); }
 void RunEstimate(ServiceState& state, Job& job) { RunGuarded(state, job, EstimateBody); }

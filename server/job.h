@@ -34,8 +34,12 @@ struct Job {
   v1::EstimateResponse estimate;
 };
 
+// What may leave the server: of a fault, the job's id and nothing of the inside, which goes to the log; that memory ran out,
+// with a time to wait.
+absl::Status Presentable(ServiceState& state, const std::string& job_id, const absl::Status& status);
+
 // Run the job and close its events; nothing escapes. A fault of any kind ends this job with Internal and its id, and
-// the log has what it was.
+// the log has what it was; memory that runs out, with ResourceExhausted.
 void RunRemesh(ServiceState& state, Job& job);
 void RunEstimate(ServiceState& state, Job& job);
 

@@ -1,4 +1,5 @@
-// The reactors: gRPC's callbacks handed to a Call, and its answers to gRPC. None of them blocks.
+// The reactors: gRPC's callbacks handed to a Call, and its answers to gRPC. None of them blocks. None lets an exception out:
+// gRPC would swallow it, and the call would hang.
 #pragma once
 
 #include <utility>
@@ -24,8 +25,8 @@ class UploadReactor : public Base, public EventWriter {
   void OnReadDone(bool ok) final {
     if (!ok) return call_.OnInputCut();
     const bool more = call_.OnMessage(request_);
-    if (more) return this->StartRead(&request_);
-    request_ = Request();  // the job may run long; the last block need not stay
+    if (!more || call_.submitted()) request_ = Request();  // the job may run long; the last block need not stay
+    if (more) this->StartRead(&request_);                  // also after the end: nothing may come there
   }
   void OnCancel() final { call_.OnCancel(); }
   void OnDone() final { delete this; }
@@ -42,6 +43,15 @@ class UploadReactor : public Base, public EventWriter {
   Request request_;
 };
 
+// As ToGrpcStatus, also where there is no memory for the details.
+inline grpc::Status FinalStatus(const absl::Status& status) noexcept {
+  try {
+    return ToGrpcStatus(status);
+  } catch (...) {
+    return grpc::Status(static_cast<grpc::StatusCode>(status.code()), "");
+  }
+}
+
 class RemeshReactor final
     : public UploadReactor<grpc::ServerBidiReactor<v1::RemeshRequest, v1::RemeshResponse>, v1::RemeshRequest> {
  public:
@@ -50,14 +60,24 @@ class RemeshReactor final
     Begin();
   }
 
-  void OnWriteDone(bool ok) override { call_.OnWritten(ok); }
+  void OnWriteDone(bool ok) override {
+    try {
+      call_.OnWritten(ok);
+    } catch (...) {
+      call_.OnFault();
+    }
+  }
   void StartEvent(v1::MeshEvent event) override {
-    *response_.mutable_event() = std::move(event);
-    StartWrite(&response_);
+    try {
+      *response_.mutable_event() = std::move(event);
+      StartWrite(&response_);
+    } catch (...) {
+      call_.OnFault();
+    }
   }
   void EndCall(const absl::Status& status) override {
     call_.OnEnded(status);
-    Finish(ToGrpcStatus(status));
+    Finish(FinalStatus(status));
   }
 
  private:
@@ -74,9 +94,14 @@ class EstimateReactor final : public UploadReactor<grpc::ServerReadReactor<v1::E
   // The one response goes out with the status; Accepted and progress have no place in this rpc.
   void StartEvent(v1::MeshEvent) override { call_.OnWritten(true); }
   void EndCall(const absl::Status& status) override {
-    if (status.ok()) *response_ = call_.job().estimate;
-    call_.OnEnded(status);
-    Finish(ToGrpcStatus(status));
+    absl::Status final = status;
+    try {
+      if (status.ok()) *response_ = call_.job().estimate;
+    } catch (...) {
+      final = absl::Status(absl::StatusCode::kResourceExhausted, "");
+    }
+    call_.OnEnded(final);
+    Finish(FinalStatus(final));
   }
 
  private:

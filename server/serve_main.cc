@@ -10,8 +10,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <system_error>
 #include <thread>
 
+#include "core/base/exceptions.h"
+#include "core/base/status_macros.h"
 #include "server/config.h"
 #include "server/server.h"
 #include "server/version.h"
@@ -27,6 +30,8 @@ struct Flags {
   double stall_timeout = 30;
   double keepalive = 30;
   double lame_duck = 0;
+  double drain_timeout = 600;
+  double max_job_seconds = 0;
   uint64_t max_input_mb = 2048;
   bool print_config = false;
 
@@ -34,6 +39,8 @@ struct Flags {
     config.stall_timeout = absl::Seconds(stall_timeout);
     config.keepalive = absl::Seconds(keepalive);
     config.lame_duck = absl::Seconds(lame_duck);
+    config.drain_timeout = absl::Seconds(drain_timeout);
+    if (max_job_seconds > 0) config.max_job = absl::Seconds(max_job_seconds);
     config.limits.max_input_bytes = max_input_mb << 20;
     config.limits.max_pending_bytes = 2 * config.limits.max_input_bytes;
   }
@@ -75,6 +82,15 @@ void AddFlags(CLI::App& app, Flags& flags) {
       ->envname("MESHFRONT_LAME_DUCK")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
+  app.add_option("--drain-timeout", flags.drain_timeout,
+                 "Seconds that a shutdown waits for open calls before it cuts them off")
+      ->envname("MESHFRONT_DRAIN_TIMEOUT")
+      ->check(CLI::Range(0.001, 86400.0))
+      ->capture_default_str();
+  app.add_option("--max-job-seconds", flags.max_job_seconds, "Longest that one job may run, in seconds; 0: no limit")
+      ->envname("MESHFRONT_MAX_JOB_SECONDS")
+      ->check(CLI::Range(0.0, 1e9))
+      ->capture_default_str();
   app.add_option("--log", config.log, "File of the job log; empty: stderr; off: none")->envname("MESHFRONT_LOG");
   app.add_flag("--insecure", config.insecure, "Allow an address off loopback without TLS")
       ->envname("MESHFRONT_INSECURE");
@@ -95,6 +111,8 @@ void PrintConfig(const Flags& flags) {
                                        {"stall_timeout", flags.stall_timeout},
                                        {"keepalive", flags.keepalive},
                                        {"lame_duck", flags.lame_duck},
+                                       {"drain_timeout", flags.drain_timeout},
+                                       {"max_job_seconds", flags.max_job_seconds},
                                        {"log", c.log}};
   std::cout << json.dump(2) << "\n";
 }
@@ -111,12 +129,16 @@ sigset_t ShutdownSignals() {
 void WaitForSignal(const sigset_t& signals) {
   int signal = 0;
   sigwait(&signals, &signal);
-  std::thread([signals] {
-    int second = 0;
-    sigwait(&signals, &second);
-    std::fputs("meshfrontd ended by a second signal\n", stderr);
-    _exit(kKilled);
-  }).detach();
+  try {
+    std::thread([signals] {
+      int second = 0;
+      sigwait(&signals, &second);
+      std::fputs("meshfrontd ended by a second signal\n", stderr);
+      _exit(kKilled);
+    }).detach();
+  } catch (const std::system_error&) {
+    // No room for one more thread: then a second signal waits for the first.
+  }
 }
 
 int ExitCodeOf(const absl::Status& status) {
@@ -144,8 +166,10 @@ int Serve(const ServerConfig& config) {
   }
   std::fprintf(stderr, "meshfrontd listening on %s\n", (*server)->address().c_str());
   WaitForSignal(signals);
-  (*server)->DrainAndShutdown();
-  return kDone;
+  const absl::Status drained = (*server)->DrainAndShutdown();
+  if (drained.ok()) return kDone;
+  std::fprintf(stderr, "meshfrontd: %s\n", std::string(drained.message()).c_str());
+  _exit(kKilled);  // what hangs would hang the destructors too
 }
 
 absl::Status CheckAddresses(const Flags& flags) {
@@ -153,7 +177,7 @@ absl::Status CheckAddresses(const Flags& flags) {
   return flags.metrics_listen.empty() ? absl::OkStatus() : CheckListenAddress("--metrics-listen", flags.metrics_listen);
 }
 
-int ServeMain(int argc, char** argv) {
+int ParseAndServe(int argc, char** argv) {
   Flags flags;
   CLI::App app("The Meshfront server: remeshes over gRPC until it gets SIGTERM.", "meshfrontd");
   AddFlags(app, flags);
@@ -163,6 +187,10 @@ int ServeMain(int argc, char** argv) {
     return app.exit(e) == 0 ? kDone : kUsage;
   }
   flags.Resolve();
+  if (const absl::Status checked = CheckAddresses(flags); !checked.ok()) {
+    std::fprintf(stderr, "meshfrontd: %s\n", std::string(checked.message()).c_str());
+    return kUsage;
+  }
   if (!flags.metrics_listen.empty()) {
     std::fputs("meshfrontd: --metrics-listen is not yet supported\n", stderr);
     return kUsage;
@@ -174,8 +202,15 @@ int ServeMain(int argc, char** argv) {
   return Serve(flags.config);
 }
 
-}  // namespace meshfront
-  if (const absl::Status checked = CheckAddresses(flags); !checked.ok()) {
-    std::fprintf(stderr, "meshfrontd: %s\n", std::string(checked.message()).c_str());
-    return kUsage;
+}  // namespace
+
+int ServeMain(int argc, char** argv) {
+  try {
+    return ParseAndServe(argc, argv);
+  } catch (...) {
+    std::fprintf(stderr, "meshfrontd: %s\n", std::string(StatusOfException().message()).c_str());
+    return kInternal;
   }
+}
+
+}  // namespace meshfront

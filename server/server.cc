@@ -3,6 +3,9 @@
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 
 #include <chrono>
+#include <future>
+#include <memory>
+#include <system_error>
 #include <thread>
 
 #include "absl/strings/str_cat.h"
@@ -36,19 +39,23 @@ void Configure(grpc::ServerBuilder& builder, const ServerConfig& config) {
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, kMinPingIntervalMs);
 }
 
+// For calls that were cut off to come to their end.
+constexpr auto kCutOffTime = std::chrono::seconds(5);
+
 std::chrono::system_clock::time_point FlushDeadline() { return std::chrono::system_clock::now() + kFlushTime; }
 
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config, Engine engine) {
+  MESHFRONT_RETURN_IF_ERROR(CheckListenAddress("listen", config.listen));
   if (!config.insecure && !IsLoopback(config.listen)) {
     return absl::InvalidArgumentError(absl::StrCat(
         "listen is ", config.listen, ", which other machines reach, and there is no TLS; give --insecure to allow it"));
   }
   auto server = std::unique_ptr<Server>(new Server());
   MESHFRONT_ASSIGN_OR_RETURN(server->service_, Service::Create(config, std::move(engine)));
-  MESHFRONT_RETURN_IF_ERROR(CheckListenAddress("listen", config.listen));
   server->lame_duck_ = config.lame_duck;
+  server->drain_timeout_ = config.drain_timeout;
   server->SetHealth(HealthService::Response::SERVING);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
@@ -71,16 +78,35 @@ void Server::SetHealth(HealthService::ServingStatus status) {
   for (const char* name : {"", v1::MeshfrontService::service_full_name()}) health_.Set(name, status);
 }
 
-void Server::DrainAndShutdown() {
+absl::Status Server::DrainAndShutdown() {
   // Without a lame duck, whoever reads NOT_SERVING must find the door closed already.
   if (lame_duck_ <= absl::ZeroDuration()) service_->Drain();
   SetHealth(HealthService::Response::NOT_SERVING);
   std::this_thread::sleep_for(absl::ToChronoMilliseconds(lame_duck_));
   service_->Drain();
-  while (!service_->WaitUntilIdle(absl::Hours(1))) {
-  }
+  const bool idle = service_->WaitUntilIdle(drain_timeout_);
   health_.EndWatches();
-  grpc_server_->Shutdown(FlushDeadline());
+  const bool down = ShutdownWithin(idle ? absl::FromChrono(kFlushTime) : absl::ZeroDuration());
+  if (idle && down) return absl::OkStatus();
+  return absl::DeadlineExceededError(absl::StrCat("calls were still open ", absl::FormatDuration(drain_timeout_),
+                                                  " after the signal to end; they were cut off"));
+}
+
+// gRPC waits without limit for the callbacks of a call that hangs, so it does on a thread of its own.
+bool Server::ShutdownWithin(absl::Duration flush_time) {
+  const auto deadline = std::chrono::system_clock::now() + absl::ToChronoMilliseconds(flush_time);
+  const auto down = std::make_shared<std::promise<void>>();
+  std::future<void> done = down->get_future();
+  try {
+    std::thread([server = grpc_server_.get(), deadline, down] {
+      server->Shutdown(deadline);
+      down->set_value();
+    }).detach();
+  } catch (const std::system_error&) {  // no room for one more thread: without the limit, then
+    grpc_server_->Shutdown(deadline);
+    return true;
+  }
+  return done.wait_until(deadline + kCutOffTime) == std::future_status::ready;
 }
 
 Server::~Server() {

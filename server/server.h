@@ -26,14 +26,17 @@ class Server {
   const std::string& address() const { return address_; }
 
   // NOT_SERVING; after the lame duck new calls are Unavailable; waits until all calls have ended, then shuts down.
-  void DrainAndShutdown();
+  // DeadlineExceeded when that took longer than the drain timeout: calls were cut off, some may hang, and this object can't
+  // be destroyed any more; the process must end.
+  absl::Status DrainAndShutdown();
 
  private:
   Server() = default;
+  bool ShutdownWithin(absl::Duration flush_time);
   void SetHealth(HealthService::ServingStatus status);
 
   std::string address_;
-  absl::Duration lame_duck_;
+  absl::Duration lame_duck_, drain_timeout_;
   // In the order of dependence: the gRPC server goes first.
   std::unique_ptr<Service> service_;
   HealthService health_;

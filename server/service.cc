@@ -57,6 +57,7 @@ v1::GetCapabilitiesResponse CapabilitiesOf(const ServerConfig& config) {
   limits.set_workers(config.Workers());
   limits.set_max_queue(config.max_queue);
   limits.set_stall_timeout_seconds(absl::ToDoubleSeconds(config.stall_timeout));
+  if (config.max_job < absl::InfiniteDuration()) limits.set_max_job_seconds(absl::ToDoubleSeconds(config.max_job));
   *response.mutable_default_options() = OptionsToProto(RemeshOptions());
   for (std::string& path : SupportedOptions()) response.add_supported_options(std::move(path));
   response.add_supported_inputs("mesh");

@@ -39,6 +39,16 @@ void UploadWatch::Remove(uint64_t id) {
   entries_.erase(id);
 }
 
+void UploadWatch::End(EventStream& events) const {
+  absl::Status status(absl::StatusCode::kAborted, "");  // needs no memory
+  try {
+    status = WithReason(absl::AbortedError(absl::StrCat("the upload stood still for ", absl::FormatDuration(timeout_))),
+                        "UPLOAD_STALLED");
+  } catch (...) {
+  }
+  events.Close(status);
+}
+
 void UploadWatch::Watch() {
   std::unique_lock lock(mutex_);
   while (!stopping_) {
@@ -56,11 +66,7 @@ void UploadWatch::Watch() {
       }
     }
     lock.unlock();  // closing a call may come back here, to Remove
-    for (const std::shared_ptr<EventStream>& events : stalled) {
-      events->Close(
-          WithReason(absl::AbortedError(absl::StrCat("the upload stood still for ", absl::FormatDuration(timeout_))),
-                     "UPLOAD_STALLED"));
-    }
+    for (const std::shared_ptr<EventStream>& events : stalled) End(*events);
     stalled.clear();
     lock.lock();
     if (!stopping_) changed_.wait_for(lock, absl::ToChronoMilliseconds(due - now) + std::chrono::milliseconds(1));

@@ -30,6 +30,7 @@ class UploadWatch {
     absl::Time touched;
   };
   void Watch();
+  void End(EventStream& events) const;
 
   const absl::Duration timeout_;
   std::mutex mutex_;

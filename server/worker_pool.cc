@@ -10,10 +10,17 @@ namespace meshfront {
 
 WorkerPool::WorkerPool(int workers, int max_queue)
     : workers_(std::max(1, workers)), max_queue_(std::max(0, max_queue)) {
-  for (size_t i = 0; i < workers_; ++i) threads_.emplace_back([this] { Work(); });
+  try {
+    for (size_t i = 0; i < workers_; ++i) threads_.emplace_back([this] { Work(); });
+  } catch (...) {  // no room for their stacks: nobody is left waiting for the threads that did start
+    Stop();
+    throw;
+  }
 }
 
-WorkerPool::~WorkerPool() {
+WorkerPool::~WorkerPool() { Stop(); }
+
+void WorkerPool::Stop() {
   {
     std::lock_guard lock(mutex_);
     stopping_ = true;

@@ -38,6 +38,7 @@ class WorkerPool {
     std::function<void()> job;
   };
   void Work();
+  void Stop();
   absl::Status CheckRoomLocked() const;
 
   const size_t workers_;

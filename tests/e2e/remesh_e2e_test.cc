@@ -271,6 +271,38 @@ TEST(RemeshOverSocket, GivesTheSameChunksAtAnyThreadCount) {
   }
 }
 
+// An array of 1.9 GB where there are 700 MB: it grows until no memory is left.
+TEST(RemeshOverSocket, EndsAnUploadWithoutMemoryAndGoesOn) {
+  ServerProcess server({"--workers", "2", "--threads", "1"}, {}, 700ull << 20);
+  const auto stub = server.NewStub();
+  {
+    grpc::ClientContext context;
+    const auto stream = stub->Remesh(&context);
+    v1::RemeshRequest request;
+    request.mutable_header()->mutable_mesh()->set_vertex_count(80'000'000);
+    request.mutable_header()->mutable_mesh()->set_triangle_count(10);
+    bool going = stream->Write(request);
+    v1::DataBlock& block = *request.mutable_block();
+    block.set_array(v1::ARRAY_POSITIONS);
+    block.set_data(std::string(1 << 20, '\0'));
+    block.set_crc32c(Crc32c(block.data()));
+    for (uint64_t i = 0; going && i < 1800; ++i) {
+      block.set_offset(i << 20);
+      going = stream->Write(request);
+    }
+    Outcome outcome;
+    ReadToEnd(*stream, outcome);
+    EXPECT_EQ(outcome.status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED) << outcome.status.error_message();
+    EXPECT_EQ(outcome.reason(), "OUT_OF_MEMORY");
+    EXPECT_TRUE(outcome.DetailOf<google::rpc::RetryInfo>());
+  }
+  const TriangleMesh sphere = testing::Icosphere(2);
+  grpc::ClientContext context;
+  EXPECT_TRUE(Remesh(*stub, context, RequestOf(sphere, HeaderOf(sphere))).status.ok()) << "the server goes on";
+  server.Send(SIGTERM);
+  EXPECT_EQ(server.Wait(), 0);
+}
+
 TEST(EstimateOverSocket, PredictsWithoutMeshing) {
   ServerProcess server;
   grpc::ClientContext context;

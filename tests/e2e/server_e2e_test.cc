@@ -57,6 +57,8 @@ TEST(ServerProcess, PrintsTheValuesInForceFromFlagsAndTheirEnvironmentTwins) {
   EXPECT_EQ(config["workers"], 5);
   EXPECT_EQ(config["max_queue"], 3) << "a flag goes before its twin";
   EXPECT_EQ(config["stall_timeout"], 1.5);
+  EXPECT_EQ(defaults["max_job_seconds"], 0);
+  EXPECT_EQ(ConfigWith("MESHFRONT_MAX_JOB_SECONDS=7 MESHFRONT_DRAIN_TIMEOUT=8", "")["max_job_seconds"], 7);
 }
 
 TEST(ServerProcess, RefusesBadFlagsWithExitCodeTwo) {
@@ -167,6 +169,20 @@ TEST(ServerProcess, EndsAtOnceOnASecondSignal) {
   while (outcome.chunks == 0) ASSERT_TRUE(ReadEvent(*stream, outcome));
   server.Send(SIGTERM);
   server.Send(SIGINT);  // another signal: two of one kind may become one
+  EXPECT_EQ(server.Wait(), 1);
+}
+
+// A reader that stands still keeps its call open for as long as the server lets it.
+TEST(ServerProcess, CutsOffWhatIsOpenLongerThanTheDrainTimeoutAndSaysSo) {
+  ServerProcess server({"--drain-timeout", "0.05", "--stall-timeout", "1000"});
+  const auto stub = server.NewStub();
+  grpc::ClientContext context;
+  const auto stream = stub->Remesh(&context);
+  Send(*stream, LongRequest());
+  Outcome outcome;
+  while (outcome.chunks == 0) ASSERT_TRUE(ReadEvent(*stream, outcome));
+  server.Send(SIGTERM);
+  EXPECT_TRUE(server.ReadLineWith("calls were still open"));
   EXPECT_EQ(server.Wait(), 1);
 }
 

@@ -23,7 +23,9 @@ namespace {
 constexpr int kReadTimeoutMs = 60'000;
 
 // Runs in the child: nothing but what is safe after fork.
-[[noreturn]] void Become(char* const* arguments, char* const* environment, int stderr_pipe) {
+[[noreturn]] void Become(char* const* arguments, char* const* environment, int stderr_pipe, uint64_t address_space) {
+  const rlimit limit{address_space, address_space};
+  if (address_space != RLIM_INFINITY) setrlimit(RLIMIT_AS, &limit);
   dup2(stderr_pipe, STDERR_FILENO);
   execve(arguments[0], arguments, environment);
   _exit(127);
@@ -38,14 +40,15 @@ std::vector<char*> Pointers(const std::vector<std::string>& strings) {
 
 }  // namespace
 
-ChildProcess::ChildProcess(const std::vector<std::string>& arguments, const std::vector<std::string>& environment) {
+ChildProcess::ChildProcess(const std::vector<std::string>& arguments, const std::vector<std::string>& environment,
+                           uint64_t address_space) {
   std::vector<std::string> all_environment = environment;
   for (char** e = environ; *e != nullptr; ++e) all_environment.push_back(*e);
   const std::vector<char*> argv = Pointers(arguments), envp = Pointers(all_environment);
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) return;
   pid_ = fork();
-  if (pid_ == 0) Become(argv.data(), envp.data(), ends[1]);
+  if (pid_ == 0) Become(argv.data(), envp.data(), ends[1], address_space);
   close(ends[1]);
   stderr_ = ends[0];
 }
@@ -98,8 +101,9 @@ std::vector<std::string> WithFreePort(std::vector<std::string> flags) {
 
 }  // namespace
 
-ServerProcess::ServerProcess(std::vector<std::string> flags, const std::vector<std::string>& environment)
-    : ChildProcess(WithFreePort(std::move(flags)), environment) {
+ServerProcess::ServerProcess(std::vector<std::string> flags, const std::vector<std::string>& environment,
+                             uint64_t address_space)
+    : ChildProcess(WithFreePort(std::move(flags)), environment, address_space) {
   const std::string prefix = "meshfrontd listening on ";
   const std::optional<std::string> ready = ReadLineWith(prefix);
   EXPECT_TRUE(ready && absl::StartsWith(*ready, prefix)) << "the server did not start";

@@ -1,6 +1,7 @@
 // A meshfrontd that runs, and a caller of it: what every test over a socket needs.
 #pragma once
 
+#include <sys/resource.h>
 #include <sys/types.h>
 
 #include <memory>
@@ -19,7 +20,9 @@ namespace meshfront {
 class ChildProcess {
  public:
   // `environment` goes beside this process's own.
-  ChildProcess(const std::vector<std::string>& arguments, const std::vector<std::string>& environment = {});
+  // `address_space`: bytes of memory that it may take.
+  ChildProcess(const std::vector<std::string>& arguments, const std::vector<std::string>& environment = {},
+               uint64_t address_space = RLIM_INFINITY);
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
@@ -43,7 +46,8 @@ class ChildProcess {
 // A server on a free port, ready.
 class ServerProcess : public ChildProcess {
  public:
-  explicit ServerProcess(std::vector<std::string> flags = {}, const std::vector<std::string>& environment = {});
+  explicit ServerProcess(std::vector<std::string> flags = {}, const std::vector<std::string>& environment = {},
+                         uint64_t address_space = RLIM_INFINITY);
 
   const std::string& address() const { return address_; }
   std::shared_ptr<grpc::Channel> NewChannel() const;

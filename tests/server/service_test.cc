@@ -212,7 +212,7 @@ TEST(Service, EndsAnUploadThatStandsStill) {
 TEST(Service, EndsAFaultyJobWithItsIdAndNothingOfTheInside) {
   Engine engine;
   engine.remesh = [](Problem problem, MeshSink& sink, const Context& context) -> absl::StatusOr<Report> {
-    if (problem.options.eta == 1.5) throw std::bad_alloc();
+    if (problem.options.eta == 1.5) throw std::runtime_error("secret");
     if (problem.options.eta == 1.6) return absl::InternalError("secret place");
     return EmitStrip(10, sink, context);
   };
@@ -224,10 +224,10 @@ TEST(Service, EndsAFaultyJobWithItsIdAndNothingOfTheInside) {
     EXPECT_EQ(outcome.status.error_code(), grpc::StatusCode::INTERNAL);
     EXPECT_THAT(outcome.status.error_message(), HasSubstr("job j-"));
     EXPECT_THAT(outcome.status.error_message(), Not(HasSubstr("secret")));
-    EXPECT_THAT(outcome.status.error_message(), Not(HasSubstr("alloc")));
   }
   EXPECT_TRUE(local.Remesh(TriangleRequest()).status.ok()) << "the server goes on";
 }
+
 TEST(Service, EndsAJobWithoutMemoryWithATimeToRetryAndGoesOn) {
   Engine engine;
   engine.remesh = [](Problem problem, MeshSink& sink, const Context& context) -> absl::StatusOr<Report> {
@@ -335,7 +335,6 @@ TEST(Service, DecompressesAFileWithinTheMemoryOfAllUploadsOnly) {
     EXPECT_EQ(outcome.reason(), padding == 0 ? "" : "MEMORY_FULL");
   }
 }
-
 
 TEST(Service, ListsTheDefectsOfAMeshThatMayNotBeRepaired) {
   Engine engine;
