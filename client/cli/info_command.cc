@@ -50,7 +50,8 @@ std::string Ids(const std::vector<IdType>& ids) {
 void PrintDefects(const DefectList& list) {
   std::cout << absl::StrFormat("defects     %s\n", list.total == 0 ? "none" : WithThousands(list.total));
   for (const Defect& defect : list.defects) {
-    std::cout << "  " << defect.what << " at " << PlaceText(defect.position);
+    std::cout << "  " << defect.what;
+    if (defect.position) std::cout << " at " << PlaceText(*defect.position);
     if (!defect.faces.empty()) std::cout << ", faces " << Ids(defect.faces);
     if (!defect.vertices.empty()) std::cout << ", vertices " << Ids(defect.vertices);
     std::cout << ": " << defect.message << "\n";

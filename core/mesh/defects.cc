@@ -1,5 +1,7 @@
 // What is wrong with a mesh, and where: triangles one by one, triangles twice, edges, then vertices.
 #include <algorithm>
+#include <limits>
+#include <optional>
 
 #include "absl/strings/str_cat.h"
 #include "core/mesh/adjacency.h"
@@ -13,7 +15,10 @@ namespace {
 
 constexpr size_t kDefectsInMessage = 3;
 
-std::string PlaceOf(const Vec3& p) { return absl::StrCat("(", p.x, ", ", p.y, ", ", p.z, ")"); }
+// " at (1, 2, 3)"; nothing where there is no such place.
+std::string At(const Vec3& p) {
+  return IsFinite(p) ? absl::StrCat(" at (", p.x, ", ", p.y, ", ", p.z, ")") : std::string();
+}
 
 class DefectFinder {
  public:
@@ -32,15 +37,17 @@ class DefectFinder {
            const std::string& message) {
     ++list_.total;
     if (list_.defects.size() >= limit_) return;
-    list_.defects.push_back({what, message, std::move(faces), std::move(vertices), position});
+    list_.defects.push_back({what, message, std::move(faces), std::move(vertices),
+                             IsFinite(position) ? std::optional<Vec3>(position) : std::nullopt});
   }
+  static constexpr Vec3 kNowhere{std::numeric_limits<double>::quiet_NaN(), 0, 0};
   bool IsListFull() const { return list_.defects.size() >= limit_; }
 
   void LookAtFace(uint32_t f) {
     const Triangle& t = mesh_.triangles[f];
     for (const VertexId v : t) {
       if (v.index() < mesh_.positions.size()) continue;
-      return Add("index_out_of_range", {FaceId(f)}, {}, {},
+      return Add("index_out_of_range", {FaceId(f)}, {}, kNowhere,
                  absl::StrCat("triangle ", f, " names vertex ", v.index(), "; the mesh has ", mesh_.positions.size(),
                               " vertices"));
     }
@@ -49,12 +56,16 @@ class DefectFinder {
     if (state == FaceState::kZeroArea) usable_.triangles.push_back(t), face_of_.push_back(f);
     const std::vector<VertexId> corners(t.begin(), t.end());
     const Vec3 at = mesh_.PositionAt(t[0]);
-    const std::string who = absl::StrCat("triangle ", f, " at ", PlaceOf(at));
+    const std::string who = absl::StrCat("triangle ", f, At(at));
     if (state == FaceState::kRepeatedIndex) {
       Add("degenerate_face", {FaceId(f)}, corners, at,
           absl::StrCat(who, " names a vertex twice (", t[0].index(), " ", t[1].index(), " ", t[2].index(), ")"));
     } else if (state == FaceState::kNotFinite) {
-      Add("non_finite_vertex", {FaceId(f)}, corners, at, absl::StrCat(who, " has a corner that is not finite"));
+      for (const VertexId v : t) {
+        if (IsFinite(mesh_.PositionAt(v))) continue;
+        return Add("non_finite_vertex", {FaceId(f)}, {v}, kNowhere,
+                   absl::StrCat("vertex ", v.index(), " of triangle ", f, " has a coordinate that is not finite"));
+      }
     } else if (state == FaceState::kHuge) {
       Add("huge_coordinate", {FaceId(f)}, corners, at,
           absl::StrCat(who, " has a coordinate beyond ±", kLargestCoordinate, ", the most that can be computed with"));
@@ -104,8 +115,7 @@ class DefectFinder {
     const Vec3 middle = 0.5 * usable_.PositionAt(a) + 0.5 * usable_.PositionAt(b);
     std::vector<FaceId> faces;
     for (const uint32_t g : half_edges) faces.push_back(FaceId(face_of_[FaceOfHalfEdge(g)]));
-    const std::string who =
-        absl::StrCat("the edge from vertex ", a.index(), " to ", b.index(), " at ", PlaceOf(middle));
+    const std::string who = absl::StrCat("the edge from vertex ", a.index(), " to ", b.index(), At(middle));
     if (same_direction) {
       Add("inconsistent_orientation", faces, {a, b}, middle,
           absl::StrCat(who, " is run through in the same direction by triangles ", faces[0].index(), " and ",
@@ -137,9 +147,8 @@ class DefectFinder {
       } else if (!told_[v.index()]) {
         told_[v.index()] = true;
         Add("non_manifold_vertex", {FaceId(first), FaceId(face_of_[FaceOfHalfEdge(c)])}, {v}, usable_.PositionAt(v),
-            absl::StrCat("vertex ", v.index(), " at ", PlaceOf(usable_.PositionAt(v)),
-                         " joins separate fans of triangles (", first, " in one, ", face_of_[FaceOfHalfEdge(c)],
-                         " in another)"));
+            absl::StrCat("vertex ", v.index(), At(usable_.PositionAt(v)), " joins separate fans of triangles (", first,
+                         " in one, ", face_of_[FaceOfHalfEdge(c)], " in another)"));
       }
     }
   }

@@ -184,9 +184,9 @@ absl::Status NothingLeft(const TriangleMesh& mesh) {
         kLargestCoordinate, ", the most that can be computed with (a corner of triangle 0 is at ", p.x, " ", p.y, " ",
         p.z, ")"));
   }
-  return absl::InvalidArgumentError(absl::StrCat("none of the ", mesh.triangles.size(),
-                                                 " triangles can be meshed: ", degenerate, " have no area, ",
-                                                 not_finite, " have a corner that is not finite"));
+  return absl::InvalidArgumentError(absl::StrCat(
+      "none of the ", mesh.triangles.size(), " triangles can be meshed: ", degenerate, " have no area, ", not_finite,
+      " have a corner that is not finite; the first: ", FindDefects(mesh, 1).defects[0].message));
 }
 
 // Looks for a face to mesh, before anything is changed.

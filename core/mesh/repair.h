@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,7 +40,7 @@ struct Defect {
   std::string message;  // one sentence with numbers
   std::vector<FaceId> faces;
   std::vector<VertexId> vertices;
-  Vec3 position;
+  std::optional<Vec3> position;  // unset where it is not finite
 };
 
 // Every defect that would stop the engine (at most `limit` are listed; `total` in the result counts all).

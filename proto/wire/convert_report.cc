@@ -102,7 +102,7 @@ v1::Defect DefectToProto(const Defect& defect) {
   proto.set_message(defect.message);
   for (const FaceId face : defect.faces) proto.add_faces(face.index());
   for (const VertexId vertex : defect.vertices) proto.add_vertices(vertex.index());
-  *proto.mutable_position() = PointToProto(defect.position);
+  if (defect.position) *proto.mutable_position() = PointToProto(*defect.position);
   return proto;
 }
 

@@ -259,5 +259,12 @@ TEST(DetailsOf, AreEmptyWhenDamaged) {
   EXPECT_TRUE(DetailsOf(grpc::Status(grpc::StatusCode::INTERNAL, "x", "\xff\xff not a message")).details().empty());
 }
 
+TEST(DefectToProto, LeavesOutAPlaceThatIsNotFinite) {
+  Defect defect{"non_finite_vertex", "vertex 1 of triangle 0", {FaceId(0)}, {VertexId(1)}, std::nullopt};
+  EXPECT_FALSE(DefectToProto(defect).has_position());
+  defect.position = Vec3{1, 2, 3};
+  EXPECT_EQ(DefectToProto(defect).position().z(), 3);
+}
+
 }  // namespace
 }  // namespace meshfront

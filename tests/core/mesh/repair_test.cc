@@ -450,5 +450,25 @@ TEST(Defects, NamesEdgesAndVerticesWithTheirPlaces) {
   EXPECT_THAT(list.defects[0].faces, ::testing::ElementsAre(FaceId(0), FaceId(1), FaceId(2)));
 }
 
+TEST(Defects, HaveNoPlaceWhereItIsNotFiniteButNameTheVertexAndTheFace) {
+  TriangleMesh mesh = shapes::MeshOf({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
+  mesh.positions[1].y = std::numeric_limits<double>::quiet_NaN();
+  const DefectList list = FindDefects(mesh);
+  ASSERT_EQ(list.total, 1u);
+  EXPECT_EQ(list.defects[0].what, "non_finite_vertex");
+  EXPECT_FALSE(list.defects[0].position);
+  EXPECT_THAT(list.defects[0].vertices, ::testing::ElementsAre(VertexId(1)));
+  EXPECT_THAT(list.defects[0].message, ::testing::HasSubstr("vertex 1 of triangle 0"));
+  EXPECT_THAT(list.defects[0].message, ::testing::Not(::testing::HasSubstr("nan")));
+}
+
+TEST(Repair, OfAMeshWithNothingToMeshNamesTheFirstDefectAndItsPlace) {
+  const TriangleMesh line = shapes::MeshOf({{1, 2, 3}, {2, 2, 3}, {3, 2, 3}}, {{0, 1, 2}});
+  EXPECT_THAT(RepairMesh(line, {}), StatusIs(absl::StatusCode::kInvalidArgument, "triangle 0 at (1, 2, 3)"));
+  TriangleMesh broken = line;
+  for (Vec3& p : broken.positions) p.x = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(RepairMesh(broken, {}), StatusIs(absl::StatusCode::kInvalidArgument, "vertex 0 of triangle 0"));
+}
+
 }  // namespace
 }  // namespace meshfront
