@@ -95,12 +95,29 @@ TopologyReport OutputTopology(const FrontReport& front) {
   t.boundary_edges = front.boundary_edges;
   t.boundary_loops = front.boundary_loops;
   t.closed = front.triangles > 0 && front.boundary_edges == 0;
-  t.manifold = t.oriented = true;  // the front set's invariant
+  t.oriented = true;  // the front set's invariant, as is that no edge has more than two triangles
+  t.manifold = front.pinched_vertices == 0;
   const auto n = [](uint64_t x) { return static_cast<int64_t>(x); };
   t.euler_characteristic = n(t.vertices) - (3 * n(t.triangles) + n(t.boundary_edges)) / 2 + n(t.triangles);
   const int64_t twice = 2 * n(t.components) - t.euler_characteristic - n(t.boundary_loops);
   if (front.open_places.empty()) t.genus = twice / 2;
   return t;
+}
+
+// An empty mesh is no result. The test that refused most says why.
+absl::Status NothingMeshed(const FrontReport& front, double scale) {
+  std::string message = "not one triangle could be meshed";
+  if (!front.open_places.empty()) {
+    const Vec3 first = front.open_places.front() / scale;
+    absl::StrAppend(&message, ": it stays open at ", front.open_places.size(), " places, the first at (", first.x, ", ",
+                    first.y, ", ", first.z, ")");
+  }
+  const auto most = std::max_element(front.refusals.begin(), front.refusals.end(),
+                                     [](const auto& a, const auto& b) { return a.second < b.second; });
+  if (most != front.refusals.end() && most->second > 0) {
+    absl::StrAppend(&message, "; most candidates, ", most->second, ", were refused by the test ", most->first);
+  }
+  return absl::FailedPreconditionError(message);
 }
 
 void Scale(Preparation& p, Report& report) {
@@ -142,6 +159,7 @@ absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& co
                              o.sizing == Sizing::kError ? p.parameter : std::numeric_limits<double>::infinity()};
   MESHFRONT_ASSIGN_OR_RETURN(const FrontReport front,
                              AdvanceFront(*p.surface, *p.field, p.loops, p.seeds, options, outgoing, context));
+  if (front.triangles == 0) return NothingMeshed(front, p.scale);
   Report report;
   report.input = p.input;
   report.parameters = p.parameters;
@@ -169,6 +187,8 @@ absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& co
   report.threads = ThreadsInForce(context);
   Scale(p, report);
   return report;
+} catch (const std::exception&) {
+  return StatusOfException();
 }
 
 absl::StatusOr<Estimate> EstimateRemesh(Problem problem, const Context& context) try {
@@ -187,8 +207,6 @@ absl::StatusOr<Estimate> EstimateRemesh(Problem problem, const Context& context)
     lengths.push_back({g, weight});
     total += weight;
     double peak = 0;
-} catch (const std::exception&) {
-  return StatusOfException();
     for (const VertexId v : t) peak = std::max(peak, p.surface->vertex_curvatures()[v.index()]);
     bound = std::max(bound, ErrorBoundInForce(p, g, peak));
   }
@@ -207,8 +225,8 @@ absl::StatusOr<Estimate> EstimateRemesh(Problem problem, const Context& context)
   constexpr uint64_t kBytesPerInputTriangle = 200, kFixedBytes = 32 << 20;  // measured peaks, rounded up
   estimate.memory_bytes = kFixedBytes + kBytesPerInputTriangle * mesh.triangles.size();
   return estimate;
+} catch (const std::exception&) {
+  return StatusOfException();
 }
 
 }  // namespace meshfront
-} catch (const std::exception&) {
-  return StatusOfException();

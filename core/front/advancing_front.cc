@@ -23,6 +23,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
+#include <map>
 #include <queue>
 
 #include "core/base/status_macros.h"
@@ -639,6 +640,11 @@ void AdvancingFront::Abandon(const std::vector<FrontEdgeId>& loop) {
 // What is open at the end, rather than what was abandoned: another front may have reached an abandoned loop since.
 void AdvancingFront::ReportOpenLoops(FrontReport& report) const {
   std::vector<bool> seen(fronts_.edge_slots(), false);
+  std::map<uint32_t, int> open_ends;  // edges of the mesh's boundary that end at a vertex: two, unless it is pinched
+  const auto count_end = [&](WindowVertexId v, bool covered) {
+    const auto [found, is_new] = open_ends.try_emplace(v.index(), fronts_.at(v).on_rim ? 2 : 0);
+    found->second += covered ? 1 : -1;
+  };
   for (uint32_t i = 0; i < seen.size(); ++i) {
     if (seen[i] || !fronts_.at(FrontEdgeId(i)).alive) continue;
     const std::vector<FrontEdgeId> loop = LoopOf(FrontEdgeId(i));
@@ -648,12 +654,15 @@ void AdvancingFront::ReportOpenLoops(FrontReport& report) const {
       seen[e.index()] = true;
       middle += fronts_.at(fronts_.From(e)).position / static_cast<double>(loop.size());
       bare += fronts_.at(e).owner.is_rim();
+      count_end(fronts_.From(e), !fronts_.at(e).owner.is_rim());
+      count_end(fronts_.To(e), !fronts_.at(e).owner.is_rim());
     }
     report.open_places.push_back(middle);
     report.boundary_edges += loop.size() - 2 * bare;
     if (bare == 0) ++report.boundary_loops;
     if (bare == loop.size()) --report.boundary_loops;
   }
+  for (const auto& [vertex, ends] : open_ends) report.pinched_vertices += ends > 2;
 }
 
 void AdvancingFront::ReportProgress() {

@@ -38,6 +38,7 @@ struct FrontReport {
   uint64_t roll_backs = 0;  // places where the front was taken back and advanced again at finer steps
   uint64_t components = 0;  // of the output
   uint64_t boundary_edges = 0, boundary_loops = 0;
+  uint64_t pinched_vertices = 0;  // where open places meet each other or the rim: their triangles are not one fan
   double longest_edge = 0;
   QualityReport quality;
   std::vector<Vec3>

@@ -456,6 +456,7 @@ TEST(AdvanceFront, ReportsAPlaceThatItCouldNotClose) {
   EXPECT_THAT(sink.mesh(), IsManifold());
   EXPECT_EQ(report->boundary_edges, topology.boundary_edges);
   EXPECT_EQ(report->boundary_loops, topology.boundary_loops);
+  EXPECT_EQ(report->pinched_vertices, 0u);
 }
 
 TEST(AdvanceFront, ReportsASeedThatFindsNoTriangle) {
