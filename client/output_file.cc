@@ -6,13 +6,14 @@
 #include <zlib.h>
 
 #include <cerrno>
-#include <climits>
 #include <cstdlib>
 #include <cstring>
+#include <map>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "core/base/status_macros.h"
+#include "core/io/links.h"
 
 namespace meshfront {
 namespace {
@@ -175,8 +176,7 @@ absl::StatusOr<std::unique_ptr<OutputFile>> OutputFile::Create(const std::string
     if (descriptor < 0) return SystemError(path, "can't be written", errno);
     return std::unique_ptr<OutputFile>(new OutputFile(path, "", std::make_unique<BufferedFile>(descriptor, path)));
   }
-  char resolved[PATH_MAX];
-  const std::string target = exists && realpath(path.c_str(), resolved) != nullptr ? resolved : path;
+  const std::string target = FileBehindLinks(path);
   std::string temporary;
   MESHFRONT_ASSIGN_OR_RETURN(const int descriptor, CreateTemporary(target, path, &temporary));
   ApplyUsualPermissions(descriptor);
@@ -197,6 +197,22 @@ absl::Status WriteWholeFile(const std::string& path, absl::string_view bytes) {
   MESHFRONT_ASSIGN_OR_RETURN(const std::unique_ptr<OutputFile> output, OutputFile::Create(path));
   MESHFRONT_RETURN_IF_ERROR(output->sink().Append(bytes));
   return output->Commit();
+}
+
+absl::Status CheckNoneCollide(const std::vector<NamedOutput>& outputs) {
+  std::map<std::string, const NamedOutput*> seen;
+  for (const NamedOutput& output : outputs) {
+    struct stat existing;
+    const bool special = output.path != "-" && stat(output.path.c_str(), &existing) == 0 && !S_ISREG(existing.st_mode);
+    if (output.path.empty() || special) continue;
+    const std::string file = output.path == "-" ? "-" : FileBehindLinks(output.path);
+    const auto [first, is_new] = seen.emplace(file, &output);
+    if (is_new) continue;
+    return absl::InvalidArgumentError(absl::StrCat(first->second->name, " and ", output.name, " are both ",
+                                                   file == "-" ? "standard output" : output.path,
+                                                   "; each needs a file of its own"));
+  }
+  return absl::OkStatus();
 }
 
 absl::Status CheckCanBeCreated(const std::string& path) { return OutputFile::Create(path).status(); }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -55,7 +56,8 @@ absl::StatusOr<std::unique_ptr<BufferedFile>> CreateSpoolFile(const std::string&
 std::string SpoolFolderFor(const std::string& path);
 
 // One output file. Nothing at `path` changes before Commit; without Commit the temporary file is removed. `-` is standard
-// output and a device or pipe are written as it comes. A symbolic link is followed. A name that ends in ".gz" is compressed.
+// output and a device or pipe are written as it comes. A symbolic link is followed, also to a
+// file that is not there yet. A name that ends in ".gz" is compressed.
 class OutputFile {
  public:
   static absl::StatusOr<std::unique_ptr<OutputFile>> Create(const std::string& path);
@@ -77,6 +79,13 @@ class OutputFile {
 
 // Writes a whole file the same way.
 absl::Status WriteWholeFile(const std::string& path, absl::string_view bytes);
+// An output and the flag that names it.
+struct NamedOutput {
+  std::string name, path;
+};
+// InvalidArgument when two of them are standard output or lead to the same file, by links or otherwise. A device or a pipe may
+// be named twice; an empty path is none.
+absl::Status CheckNoneCollide(const std::vector<NamedOutput>& outputs);
 // OK when a file could be created at `path`: its folder exists and can be written, and it is no folder itself. For telling so
 // before the work rather than after it. `-` is always OK.
 absl::Status CheckCanBeCreated(const std::string& path);

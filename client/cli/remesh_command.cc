@@ -59,19 +59,36 @@ class RemeshCommand {
           "OUT is ", arguments_.out, "; its ending must be off, obj, ply, stl, glb or gltf, or give --out-format"));
     }
     MESHFRONT_RETURN_IF_ERROR(CheckWritable(out_format_));
-    if (!arguments_.write_repaired.empty() && FormatOfName(arguments_.write_repaired) == Format::kUnknown) {
-      return absl::InvalidArgumentError(absl::StrCat("--write-repaired is ", arguments_.write_repaired,
-                                                     "; its ending must be off, obj, ply, stl, glb or gltf"));
-    }
+    MESHFRONT_RETURN_IF_ERROR(CheckEndings());
+    MESHFRONT_RETURN_IF_ERROR(CheckNoneCollide(Outputs()));
     call_.output.set_scalar_type(v1::SCALAR_TYPE_FLOAT64);
     call_.output.set_normals(HoldsNormals(out_format_));
     return absl::OkStatus();
   }
 
   ExitCode CheckOutputs() {
-    for (const std::string& path :
-         {arguments_.out, arguments_.stats, arguments_.trace, arguments_.picture, arguments_.write_repaired}) {
+    for (const auto& [name, path] : Outputs()) {
       if (path.empty()) continue;
+  absl::Status CheckEndings() const {
+    const std::string &repaired = arguments_.write_repaired, &picture = arguments_.picture;
+    const Format format = FormatOfName(repaired);
+    if (!repaired.empty() && (format == Format::kUnknown || !CheckWritable(format).ok())) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("--write-repaired is ", repaired, "; its ending must be off, obj, ply, stl, glb or gltf"));
+    }
+    if (!picture.empty() && picture != "-" && !absl::EndsWithIgnoreCase(picture, ".png"))
+      return absl::InvalidArgumentError(absl::StrCat("--picture is ", picture, "; its ending must be png"));
+    return absl::OkStatus();
+  }
+
+  std::vector<NamedOutput> Outputs() const {
+    return {{"OUT", arguments_.out},
+            {"--stats", arguments_.stats},
+            {"--trace", arguments_.trace},
+            {"--picture", arguments_.picture},
+            {"--write-repaired", arguments_.write_repaired}};
+  }
+
       const absl::Status status = CheckCanBeCreated(path);
       if (!status.ok()) return Fail(ExitCode::kOutput, status);
     }

@@ -12,6 +12,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status_macros.h"
+#include "core/io/links.h"
 
 namespace meshfront {
 namespace {
@@ -61,15 +62,6 @@ class FileSink : public ByteSink {
 std::string FolderOf(const std::string& path) {
   const size_t slash = path.rfind('/');
   return slash == std::string::npos ? "." : slash == 0 ? "/" : path.substr(0, slash);
-}
-
-// The file that a chain of symbolic links ends in; the path itself where there is none yet.
-std::string Resolved(const std::string& path) {
-  char* real = ::realpath(path.c_str(), nullptr);
-  if (real == nullptr) return path;
-  std::string result = real;
-  std::free(real);
-  return result;
 }
 
 // A name nobody has, in the folder of `path`, opened for writing with the rights a new file gets. Sets `name`.
@@ -144,7 +136,7 @@ absl::StatusOr<ByteBuffer> ReadWholeFile(const std::string& path, uint64_t limit
 }
 
 absl::Status ReplaceFile(const std::string& path, const std::function<absl::Status(ByteSink&)>& write) {
-  const std::string target = Resolved(path);
+  const std::string target = FileBehindLinks(path);
   struct stat facts = {};
   const bool exists = ::stat(target.c_str(), &facts) == 0;
   if (exists && S_ISDIR(facts.st_mode)) return absl::FailedPreconditionError(absl::StrCat(path, " is a folder"));

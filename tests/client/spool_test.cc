@@ -200,6 +200,30 @@ TEST_F(Spool, WritesThroughASymbolicLink) {
   EXPECT_EQ(Contents(PathOf("real")), "new");
 }
 
+TEST_F(Spool, MakesTheFileThatALinkLeadsToAndKeepsTheLink) {
+  std::filesystem::create_directory(PathOf("folder"));
+  std::filesystem::create_symlink("folder/real", PathOf("link"));
+  ASSERT_THAT(WriteWholeFile(PathOf("link"), "new"), IsOk());
+  EXPECT_TRUE(std::filesystem::is_symlink(PathOf("link")));
+  EXPECT_EQ(Contents(PathOf("folder/real")), "new");
+  std::filesystem::create_symlink("mesh.off", PathOf("mesh_link.off"));
+  ASSERT_THAT(WriteMeshFile(PathOf("mesh_link.off"), testing::Icosphere(0)), IsOk());
+  EXPECT_TRUE(std::filesystem::is_symlink(PathOf("mesh_link.off")));
+  EXPECT_FALSE(Contents(PathOf("mesh.off")).empty());
+}
+
+TEST_F(Spool, TellsOutputsThatAreOneFile) {
+  constexpr auto invalid = absl::StatusCode::kInvalidArgument;
+  const std::string a = PathOf("a"), b = PathOf("b");
+  EXPECT_THAT(CheckNoneCollide({{"OUT", a}, {"--stats", b}, {"--trace", ""}, {"--picture", ""}}), IsOk());
+  EXPECT_THAT(CheckNoneCollide({{"OUT", "/dev/null"}, {"--stats", "/dev/null"}}), IsOk());
+  EXPECT_THAT(CheckNoneCollide({{"OUT", a}, {"--stats", a}}), StatusIs(invalid, "OUT and --stats are both"));
+  EXPECT_THAT(CheckNoneCollide({{"OUT", a}, {"--stats", folder_ + "/./a"}}), StatusIs(invalid, ""));
+  EXPECT_THAT(CheckNoneCollide({{"--stats", "-"}, {"--trace", "-"}}), StatusIs(invalid, "standard output"));
+  std::filesystem::create_symlink("a", b);
+  EXPECT_THAT(CheckNoneCollide({{"OUT", a}, {"--stats", b}}), StatusIs(invalid, ""));
+}
+
 // A chunk of one triangle, whole and right.
 v1::Chunk OneTriangle() {
   v1::Chunk chunk;
