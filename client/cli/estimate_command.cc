@@ -2,6 +2,7 @@
 
 #include "absl/strings/str_format.h"
 #include "absl/time/clock.h"
+#include "client/cli/call_failure.h"
 #include "client/cli/commands.h"
 #include "client/cli/connection.h"
 #include "client/cli/input.h"
@@ -47,7 +48,7 @@ ExitCode RunEstimate(const EstimateArguments& arguments) {
   if (!parsed.ok()) return Fail(ExitCode::kUsage, parsed.status());
   Interruption interruption;
   absl::StatusOr<ReadResult> read = ReadInput(arguments.in, parsed->format);
-  if (!read.ok()) return Fail(ExitCode::kInput, read.status());
+  if (!read.ok()) return Fail(ExitCodeOfRead(read.status()), read.status());
 
   CallCanceller canceller;
   parsed->call.canceller = &canceller;
@@ -59,7 +60,7 @@ ExitCode RunEstimate(const EstimateArguments& arguments) {
   const absl::StatusOr<v1::EstimateResponse> estimate =
       (*connection)->client().Estimate(std::move(read->mesh), parsed->call);
   interruption.OnSignal([] {});
-  if (!estimate.ok()) return Fail(ExitCodeOfCall(estimate.status()), estimate.status());
+  if (!estimate.ok()) return FailCall(estimate.status(), {arguments.in, arguments.call.server, parsed->timeout});
   PrintWarnings(read->warnings);
   if (arguments.json)
     std::cout << EstimateJson(*estimate).dump(2) << "\n";

@@ -43,6 +43,10 @@ ExitCode ExitCodeOfCall(const absl::Status& status) {
   }
 }
 
+ExitCode ExitCodeOfRead(const absl::Status& status) {
+  return absl::IsResourceExhausted(status) ? ExitCode::kInternalError : ExitCode::kInput;
+}
+
 ExitCode Fail(ExitCode code, const absl::Status& status) {
   std::cerr << absl::StrCat("meshfront: ", status.message(), "\n");
   return code;

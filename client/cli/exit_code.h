@@ -20,6 +20,9 @@ enum class ExitCode {
 // the input's (3). DataLoss is the connection's (5): the same call may succeed.
 ExitCode ExitCodeOfCall(const absl::Status& status);
 
+// What a file that can't be read means: the input's fault (3), unless memory ran out.
+ExitCode ExitCodeOfRead(const absl::Status& status);
+
 // Writes "meshfront: <message>" to standard error, with what the details of the error add, and returns the code.
 ExitCode Fail(ExitCode code, const absl::Status& status);
 

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <iostream>
 
 #include "absl/strings/str_format.h"
@@ -47,6 +48,22 @@ std::string Ids(const std::vector<IdType>& ids) {
   return absl::StrJoin(texts, " ");
 }
 
+// Vertices that no triangle names stop nothing, but nobody wants them.
+void PrintNotes(const TriangleMesh& mesh) {
+  std::vector<bool> named(mesh.positions.size(), false);
+  for (const Triangle& t : mesh.triangles) {
+    for (const VertexId v : t) {
+      if (v.index() < named.size()) named[v.index()] = true;
+    }
+  }
+  const size_t unreferenced = std::count(named.begin(), named.end(), false);
+  if (unreferenced == 0) return;
+  const size_t first = std::find(named.begin(), named.end(), false) - named.begin();
+  std::cout << absl::StrFormat(
+      "note        %s unreferenced vertices, which no triangle names; the first is vertex %d\n",
+      WithThousands(unreferenced), first);
+}
+
 void PrintDefects(const DefectList& list) {
   std::cout << absl::StrFormat("defects     %s\n", list.total == 0 ? "none" : WithThousands(list.total));
   for (const Defect& defect : list.defects) {
@@ -67,11 +84,12 @@ ExitCode RunInfo(const std::string& path, const CallFlags& flags) {
   const absl::StatusOr<Format> format = FormatFor(path, flags.in_format, "--in-format");
   if (!format.ok()) return Fail(ExitCode::kUsage, format.status());
   const absl::StatusOr<ReadResult> read = ReadInput(path, *format);
-  if (!read.ok()) return Fail(ExitCode::kInput, read.status());
+  if (!read.ok()) return Fail(ExitCodeOfRead(read.status()), read.status());
   PrintWarnings(read->warnings);
   PrintContents(path, *read);
   if (!read->mesh.IsPointSet()) PrintTopology(MeasureTopology(read->mesh));
   PrintDefects(FindDefects(read->mesh));
+  if (!read->mesh.IsPointSet()) PrintNotes(read->mesh);
   return std::cout.flush() ? ExitCode::kDone
                            : Fail(ExitCode::kOutput, absl::InternalError("standard output can't be written"));
 }

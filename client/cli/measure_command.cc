@@ -123,11 +123,11 @@ ExitCode RunMeasure(const MeasureArguments& arguments) {
   const absl::StatusOr<Format> format = FormatFor(arguments.out, arguments.call.in_format, "--in-format");
   if (!format.ok()) return Fail(ExitCode::kUsage, format.status());
   const absl::StatusOr<TriangleMesh> mesh = ReadTriangles(arguments.out, *format);
-  if (!mesh.ok()) return Fail(ExitCode::kInput, mesh.status());
+  if (!mesh.ok()) return Fail(ExitCodeOfRead(mesh.status()), mesh.status());
   std::optional<TriangleMesh> reference;
   if (!arguments.reference.empty()) {
     absl::StatusOr<TriangleMesh> read = ReadTriangles(arguments.reference, Format::kUnknown);
-    if (!read.ok()) return Fail(ExitCode::kInput, read.status());
+    if (!read.ok()) return Fail(ExitCodeOfRead(read.status()), read.status());
     reference = *std::move(read);
   }
   const absl::StatusOr<Measures> measures = Measure(*mesh, reference);

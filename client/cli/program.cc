@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "client/cli/commands.h"
 #include "client/cli/version.h"
+#include "core/base/exceptions.h"
 #include "server/serve_main.h"
 
 namespace meshfront {
@@ -129,6 +130,11 @@ ExitCode ParseAndRun(int argc, char** argv) {
   AddEstimate(&program, &line.estimate);
   AddMeasure(&program, &line.measure);
   AddOthers(&program, &line);
+  const std::string command = argc > 1 ? argv[1] : "";
+  const auto is_it = [&command](const CLI::App* subcommand) { return subcommand->get_name() == command; };
+  const CLI::App& known = program;
+  if (!command.empty() && command[0] != '-' && known.get_subcommands(is_it).empty())
+    return Usage(absl::StrCat(command, " is no subcommand; it must be one of those that meshfront --help lists"));
   try {
     program.parse(argc, argv);
   } catch (const CLI::CallForHelp& help) {
@@ -144,9 +150,7 @@ bool IsBoolean(const std::string& command) {
   return command == "union" || command == "intersection" || command == "difference" || command == "cut";
 }
 
-}  // namespace
-
-int RunProgram(int argc, char** argv) {
+int Run(int argc, char** argv) {
   signal(SIGPIPE, SIG_IGN);  // a reader of standard output that leaves is exit code 7, not a death
   const std::string command = argc > 1 ? argv[1] : "";
   if (command == "--version") argv[1] = const_cast<char*>("version");
@@ -156,6 +160,16 @@ int RunProgram(int argc, char** argv) {
   }
   if (IsBoolean(command)) return static_cast<int>(Usage(absl::StrCat(command, " is not yet built")));
   return static_cast<int>(ParseAndRun(argc, argv));
+}
+
+}  // namespace
+
+int RunProgram(int argc, char** argv) {
+  try {
+    return Run(argc, argv);
+  } catch (...) {
+    return static_cast<int>(Fail(ExitCode::kInternalError, StatusOfException()));
+  }
 }
 
 }  // namespace meshfront

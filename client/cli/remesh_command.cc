@@ -4,9 +4,11 @@
 #include <iostream>
 #include <optional>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/time/clock.h"
+#include "client/cli/call_failure.h"
 #include "client/cli/commands.h"
 #include "client/cli/connection.h"
 #include "client/cli/figures.h"
@@ -22,6 +24,8 @@
 #include "core/base/context.h"
 #include "core/base/status_macros.h"
 #include "core/mesh/repair.h"
+#include "core/mesh/topology.h"
+#include "proto/wire/convert.h"
 
 namespace meshfront {
 namespace {
@@ -66,9 +70,6 @@ class RemeshCommand {
     return absl::OkStatus();
   }
 
-  ExitCode CheckOutputs() {
-    for (const auto& [name, path] : Outputs()) {
-      if (path.empty()) continue;
   absl::Status CheckEndings() const {
     const std::string &repaired = arguments_.write_repaired, &picture = arguments_.picture;
     const Format format = FormatOfName(repaired);
@@ -89,6 +90,9 @@ class RemeshCommand {
             {"--write-repaired", arguments_.write_repaired}};
   }
 
+  ExitCode CheckOutputs() {
+    for (const auto& [name, path] : Outputs()) {
+      if (path.empty()) continue;
       const absl::Status status = CheckCanBeCreated(path);
       if (!status.ok()) return Fail(ExitCode::kOutput, status);
     }
@@ -98,7 +102,7 @@ class RemeshCommand {
   ExitCode ReadMesh() {
     const absl::Time begin = absl::Now();
     absl::StatusOr<ReadResult> read = ReadInput(arguments_.in, in_format_);
-    if (!read.ok()) return Fail(ExitCode::kInput, read.status());
+    if (!read.ok()) return Fail(ExitCodeOfRead(read.status()), read.status());
     input_ = std::move(read->mesh);
     warnings_ = std::move(read->warnings);
     figures_.read = absl::ToDoubleSeconds(absl::Now() - begin);
@@ -115,7 +119,7 @@ class RemeshCommand {
     const bool repair = arguments_.meshing.repair != "off";
     Context context;
     absl::StatusOr<RepairResult> repaired = repair ? RepairMesh(input_, context) : RepairResult{input_, {}};
-    if (!repaired.ok()) return Fail(ExitCode::kInput, repaired.status());
+    if (!repaired.ok()) return FailCall(repaired.status(), called_with());
     const absl::Status written = WriteMeshFile(arguments_.write_repaired, repaired->mesh);
     return written.ok() ? ExitCode::kDone : Fail(ExitCode::kOutput, written);
   }
@@ -152,25 +156,25 @@ class RemeshCommand {
     // A trace of a failed job is worth keeping, and its own failure must not hide the job's.
     absl::Status finished = trace == nullptr ? absl::OkStatus() : trace->Commit();
     if (!collector.local_error().ok()) return Fail(ExitCode::kOutput, collector.local_error());
-    if (!summary.ok()) return FailCall(summary.status());
+    if (!summary.ok()) return FailCall(summary.status(), called_with());
     summary_ = *std::move(summary);
     PrintWarnings(warnings_);
     if (finished.ok()) finished = spool.Finish();
+    if (finished.ok()) finished = LookAtPart();
+    if (absl::IsFailedPrecondition(finished)) return FailCall(finished, called_with());
     return finished.ok() ? ExitCode::kDone : Fail(ExitCode::kOutput, finished);
   }
 
-  ExitCode FailCall(const absl::Status& status) {
-    const ExitCode code = ExitCodeOfCall(status);
-    if (absl::IsDeadlineExceeded(status)) {  // gRPC's own text says neither what nor how long
-      return Fail(code,
-                  absl::DeadlineExceededError(absl::StrCat("the call took longer than --timeout ", timeout_, " s")));
-    }
-    if (absl::IsCancelled(status)) return Fail(code, absl::CancelledError("cancelled"));
-    if (code == ExitCode::kServer && remote()) {
-      return Fail(code,
-                  absl::Status(status.code(), absl::StrCat("server ", arguments_.call.server, ": ", status.message())));
-    }
-    return Fail(code, status);
+  CalledWith called_with() const { return {arguments_.in, arguments_.call.server, timeout_}; }
+
+  // An older server may call an empty mesh a result; what it says of a partial one may be wrong.
+  absl::Status LookAtPart() {
+    if (spool_->triangle_count() == 0)
+      return absl::FailedPreconditionError("not one triangle could be meshed; the server does not say why");
+    if (summary_.complete()) return absl::OkStatus();
+    MESHFRONT_ASSIGN_OR_RETURN(const TriangleMesh part, spool_->Load());
+    *summary_.mutable_output() = TopologyToProto(MeasureTopology(part));
+    return absl::OkStatus();
   }
 
   ExitCode WriteResult() {

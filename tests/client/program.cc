@@ -32,7 +32,7 @@ ProgramTest::~ProgramTest() {
   std::filesystem::remove_all(captured_);
 }
 
-int ProgramTest::Spawn(const std::vector<std::string>& arguments) const {
+int ProgramTest::Spawn(const std::vector<std::string>& arguments, uint64_t address_space) const {
   const int pid = fork();
   if (pid != 0) return pid;
   std::vector<char*> argv = {const_cast<char*>("meshfront")};
@@ -42,6 +42,8 @@ int ProgramTest::Spawn(const std::vector<std::string>& arguments) const {
   Redirect(captured_ + "/in", O_RDONLY, STDIN_FILENO);
   Redirect(captured_ + "/out", O_WRONLY | O_CREAT | O_TRUNC, STDOUT_FILENO);
   Redirect(captured_ + "/err", O_WRONLY | O_CREAT | O_TRUNC, STDERR_FILENO);
+  const rlimit limit{address_space, address_space};
+  if (address_space != RLIM_INFINITY && setrlimit(RLIMIT_AS, &limit) != 0) _exit(127);
   execv(MESHFRONT_PROGRAM, argv.data());
   _exit(127);
 }
@@ -64,6 +66,11 @@ Outcome ProgramTest::RunWith(const std::vector<std::string>& arguments,
   const int pid = Spawn(arguments);
   during(pid);
   return Collect(pid);
+}
+
+Outcome ProgramTest::RunWithin(uint64_t bytes, const std::vector<std::string>& arguments) const {
+  std::ofstream(captured_ + "/in").flush();
+  return Collect(Spawn(arguments, bytes));
 }
 
 bool ProgramTest::Exists(const std::string& name) const { return std::filesystem::exists(PathOf(name)); }

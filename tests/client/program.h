@@ -1,6 +1,9 @@
 // Runs the program as a user does: in a folder of its own, and looks at what it leaves.
 #pragma once
 
+#include <sys/resource.h>
+
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -22,7 +25,9 @@ class ProgramTest : public ::testing::Test {
 
   // `meshfront ARGUMENTS…`; `in` is its standard input.
   Outcome Run(const std::vector<std::string>& arguments, const std::string& in = "") const;
-  // The same, with `during` called with its process id while it runs.
+  // The same, with no more address space than `bytes`.
+  Outcome RunWithin(uint64_t bytes, const std::vector<std::string>& arguments) const;
+  // The same as Run, with `during` called with its process id while it runs.
   Outcome RunWith(const std::vector<std::string>& arguments, const std::function<void(int pid)>& during) const;
 
   std::string PathOf(const std::string& name) const { return folder_ + "/" + name; }
@@ -33,7 +38,7 @@ class ProgramTest : public ::testing::Test {
 
  private:
   Outcome Collect(int pid) const;
-  int Spawn(const std::vector<std::string>& arguments) const;
+  int Spawn(const std::vector<std::string>& arguments, uint64_t address_space = RLIM_INFINITY) const;
 
   std::string folder_, captured_;
 };

@@ -158,6 +158,9 @@ TEST_F(Remesh, ExitsWithSixPastTheDeadlineAndLeavesNothing) {
   const Outcome outcome = Run({"remesh", "in.ply", "out.ply", "--rho", "0.003", "--timeout", "0.3"});
   EXPECT_EQ(outcome.exit_code, 6) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("--timeout 0.3"));
+  const Outcome estimate = Run({"estimate", "in.ply", "--timeout", "0.000001"});
+  EXPECT_EQ(estimate.exit_code, 6) << estimate.err;
+  EXPECT_THAT(estimate.err, HasSubstr("--timeout 1e-06"));
   EXPECT_THAT(Files(), ElementsAre("in.ply"));
 }
 

@@ -17,6 +17,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 class Program : public ProgramTest {
@@ -67,7 +68,13 @@ TEST_F(Program, ExitsWithTwoForMistakesInTheCommandLine) {
       {"remesh", "-", "out.ply"},
       {"remesh", "in.ply", "-"},
       {"remesh", "in.ply", "out.ply", "--server", "nowhere"},
+      {"remesh", "in.ply", "out.ply", "--server", "127.0.0.1:99999"},
       {"remesh", "in.ply", "out.ply", "--timeout", "0"},
+      {"remesh", "in.ply", "out.ply", "--write-repaired", "in.xyz"},
+      {"remesh", "in.ply", "out.ply", "--picture", "picture.jpg"},
+      {"remesh", "in.ply", "out.ply", "--write-repaired", "./out.ply"},
+      {"remesh", "in.ply", "out.ply", "--stats", "out.ply"},
+      {"remesh", "in.ply", "out.ply", "--stats", "-", "--trace", "-"},
       {"estimate"},
       {"measure"},
       {"info"}};
@@ -78,6 +85,8 @@ TEST_F(Program, ExitsWithTwoForMistakesInTheCommandLine) {
   }
   EXPECT_THAT(Files(), ElementsAre("in.ply"));
 }
+
+TEST_F(Program, NamesASubcommandThatItDoesNotKnow) { EXPECT_THAT(Run({"bogus", "in.ply"}).err, HasSubstr("bogus")); }
 
 TEST_F(Program, SaysNotYetToWhatIsNotBuilt) {
   WriteSphere("in.ply");
@@ -109,8 +118,61 @@ TEST_F(Program, ExitsWithThreeForAnInputThatCannotBeRead) {
   EXPECT_THAT(Files(), ElementsAre("bad.off"));
 }
 
+TEST_F(Program, NamesTheFileAndThePlaceOfWhatCannotBeMeshed) {
+  std::ofstream(PathOf("line.off")) << "OFF\n3 1 0\n1 2 3\n2 2 3\n3 2 3\n3 0 1 2\n";
+  std::ofstream(PathOf("nan.off")) << "OFF\n3 1 0\nnan 2 3\n2 2 3\n3 2 3\n3 0 1 2\n";
+  for (const auto& [file, place] : {std::pair{"line.off", "triangle 0 at (1, 2, 3)"}, {"nan.off", "vertex 0"}}) {
+    for (const std::vector<std::string>& arguments :
+         {std::vector<std::string>{"remesh", file, "out.ply"}, {"estimate", file}}) {
+      const Outcome outcome = Run(arguments);
+      EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
+      EXPECT_THAT(outcome.err, HasSubstr(file));
+      EXPECT_THAT(outcome.err, HasSubstr(place));
+    }
+  }
+  EXPECT_THAT(Files(), ElementsAre("line.off", "nan.off"));
+}
+
+// A coordinate that is not finite has no place; a vertex that no triangle names is worth a note.
+TEST_F(Program, DescribesWhatHasNoPlaceByItsNumber) {
+  std::ofstream(PathOf("odd.off")) << "OFF\n5 2 0\n0 0 0\n1 0 0\n0 1 0\n0 nan 0\n9 9 9\n3 0 1 2\n3 0 2 3\n";
+  const Outcome outcome = Run({"info", "odd.off"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("vertex 3 of triangle 1"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("nan")));
+  EXPECT_THAT(outcome.out, HasSubstr("1 unreferenced vertices"));
+}
+
+TEST_F(Program, WritesNoEmptyMesh) {
+  const TriangleMesh flat = Mapped(UvSphere(20, 18), [](const Vec3& p) { return Vec3{1e8 * p.x, p.y, p.z}; });
+  ASSERT_THAT(WriteMeshFile(PathOf("flat.off"), flat), IsOk());
+  const Outcome outcome = Run({"remesh", "flat.off", "out.off"});
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("flat.off: not one triangle could be meshed"));
+  EXPECT_THAT(Files(), ElementsAre("flat.off"));
+}
+
+// 150 MB of points at the origin, which take 300 MB as doubles.
+TEST_F(Program, ExitsWithSeventyAndASentenceWhenThereIsNotEnoughMemory) {
+  constexpr uint64_t points = 12'500'000, bytes = 12 * points;
+  std::ofstream file(PathOf("large.ply"));
+  file << "ply\nformat binary_little_endian 1.0\nelement vertex " << points
+       << "\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+  const auto header = static_cast<uint64_t>(file.tellp());
+  file.close();
+  std::filesystem::resize_file(PathOf("large.ply"), header + bytes);
+  for (const uint64_t limit : {100ull << 20, 400ull << 20}) {  // too little for the file, and for what is in it
+    const Outcome outcome = RunWithin(limit, {"info", "large.ply"});
+    EXPECT_EQ(outcome.exit_code, 70);
+    EXPECT_THAT(outcome.err, HasSubstr("memory"));
+  }
+}
+
 TEST_F(Program, ExitsWithFiveWhenNobodyListens) {
   WriteSphere("in.ply");
+  const Outcome estimate = Run({"estimate", "in.ply", "--server", "127.0.0.1:1"});
+  EXPECT_EQ(estimate.exit_code, 5);
+  EXPECT_THAT(estimate.err, HasSubstr("server 127.0.0.1:1: "));
   const Outcome outcome = Run({"remesh", "in.ply", "out.ply", "--server", "127.0.0.1:1"});
   EXPECT_EQ(outcome.exit_code, 5);
   EXPECT_THAT(outcome.err, HasSubstr("127.0.0.1:1"));

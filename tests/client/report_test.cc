@@ -154,6 +154,13 @@ TEST(Stats, HoldNoServerMemoryWhenThereIsNoServer) {
   EXPECT_FALSE(StatsJson("1", SomeSummary(), {}).contains("server_peak_rss_bytes"));
 }
 
+TEST(Stats, HaveNoRhoWhereTheSizingIsUniform) {
+  v1::Summary summary = SomeSummary();
+  summary.mutable_parameters()->mutable_options()->set_sizing(v1::SIZING_UNIFORM);
+  summary.mutable_parameters()->mutable_options()->clear_rho();
+  EXPECT_TRUE(StatsJson("1", summary, {})["parameters"]["rho"].is_null());
+}
+
 TEST(Estimate, HoldsEveryKeyOfTheContract) {
   const Json json = EstimateJson(EstimateToProto(Estimate{}));
   for (const char* path : {"/predicted_triangles", "/error_bound", "/edge_length/min", "/edge_length/median",
