@@ -109,8 +109,10 @@ absl::Status NothingMeshed(const FrontReport& front, double scale) {
   std::string message = "not one triangle could be meshed";
   if (!front.open_places.empty()) {
     const Vec3 first = front.open_places.front() / scale;
-    absl::StrAppend(&message, ": it stays open at ", front.open_places.size(), " places, the first at (", first.x, ", ",
-                    first.y, ", ", first.z, ")");
+    absl::StrAppend(&message, ": there was no place for the first one at (", first.x, ", ", first.y, ", ", first.z,
+                    ")");
+    if (front.open_places.size() > 1)
+      absl::StrAppend(&message, " nor at ", front.open_places.size() - 1, " other starts");
   }
   const auto most = std::max_element(front.refusals.begin(), front.refusals.end(),
                                      [](const auto& a, const auto& b) { return a.second < b.second; });

@@ -3,5 +3,7 @@
 
 int main(int argc, char** argv) {
   meshfront::ReturnLargeArraysToTheSystem();
+  meshfront::ShareHeapsBetweenThreads();
+  meshfront::KeepReserveForErrors();
   return meshfront::ServeMain(argc, argv);
 }
