@@ -459,6 +459,39 @@ TEST(AdvanceFront, ReportsAPlaceThatItCouldNotClose) {
   EXPECT_EQ(report->pinched_vertices, 0u);
 }
 
+// Rough places all over a sphere, close together: where open loops meet, the triangles at a vertex are not one fan.
+TEST(AdvanceFront, CountsTheVerticesWhereOpenPlacesTouch) {
+  class RoughAllOver : public SphereSurface {
+   public:
+    explicit RoughAllOver(double frequency) : frequency_(frequency) {}
+    bool IsRough(const Vec3& x) const {
+      return x.z < 0.7 && std::sin(frequency_ * x.x) + std::sin(frequency_ * x.y) + std::sin(frequency_ * x.z) > 0;
+    }
+    std::optional<SourcePoint> FindApex(const SourcePoint& a, const SourcePoint& b, double ra,
+                                        double rb) const override {
+      return IsRough(a.position) ? std::nullopt : SphereSurface::FindApex(a, b, ra, rb);
+    }
+    SourcePoint Snap(const SourcePoint& start, const Vec3& target) const override {
+      const SourcePoint x = SphereSurface::Snap(start, target);
+      return IsRough(x.position) ? start : x;
+    }
+
+   private:
+    const double frequency_;
+  };
+  int pinched = 0;
+  for (const double frequency : {6.0, 6.5, 7.0}) {
+    SCOPED_TRACE(frequency);
+    const RoughAllOver sphere(frequency);
+    Outcome run;
+    run.report = AdvanceFront(sphere, Uniform(0.1), {}, {sphere.Project({0, 0, 1}, 0)}, kPlain, run.sink, {});
+    ASSERT_THAT(run.report, IsOk());
+    EXPECT_EQ(run.report->pinched_vertices == 0, MeasureTopology(run.sink.mesh()).manifold);
+    pinched += run.report->pinched_vertices > 0;
+  }
+  EXPECT_GT(pinched, 0) << "no open places touch: choose other shapes";
+}
+
 TEST(AdvanceFront, ReportsASeedThatFindsNoTriangle) {
   class Bare : public SphereSurface {
     std::optional<SourcePoint> FindApex(const SourcePoint&, const SourcePoint&, double, double) const override {
