@@ -103,6 +103,15 @@ TEST(RemeshInput, WithIndicesOutOfRangeIsRefused) {
   EXPECT_THAT(Remesh({mesh, {}}, sink, {}), StatusIs(kInvalid, ""));
 }
 
+// A sphere drawn out to a needle, on which not even the first triangle has a place.
+TEST(RemeshInput, OnWhichNoTriangleCanStandIsRefused) {
+  const TriangleMesh needle = Mapped(UvSphere(20, 18), [](const Vec3& p) { return Vec3{1e8 * p.x, p.y, p.z}; });
+  CollectingSink sink;
+  EXPECT_THAT(Remesh({needle, {}}, sink, {}),
+              StatusIs(absl::StatusCode::kFailedPrecondition, "not one triangle could be meshed"));
+  EXPECT_TRUE(sink.mesh.triangles.empty());
+}
+
 TEST(RemeshInput, WithAFewWildVerticesIsMendedOrRefusedButNeverCrashes) {
   for (const double wild : {kNan, kInfinity, 1e300, -1e308}) {
     TriangleMesh mesh = Icosphere(3);
