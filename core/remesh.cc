@@ -23,6 +23,9 @@ constexpr uint64_t kMinTargetTriangles = 4;  // a tetrahedron
 
 using Clock = std::chrono::steady_clock;
 
+// Of the front before it is stopped. Predictions are right to a tenth; what goes so far beyond folds over itself.
+constexpr uint64_t kMaxPerPredicted = 2, kMaxBeyondPredicted = 20000;
+
 double SecondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 // Hands pieces on, in the scale of the input, and notes when the first came.
@@ -152,13 +155,16 @@ absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& co
   OutgoingSink outgoing(sink, p.scale, start);
   const RemeshOptions& o = p.parameters.options;
   const double error_per_length = o.sizing == Sizing::kAngle ? ErrorPerLength(o.rho) : 1;
-  const FrontOptions options{o.flips,
-                             o.smooth,
-                             o.fit,
-                             error_per_length,
-                             static_cast<uint64_t>(std::min(p.predicted_triangles, 1e18)),
-                             LongestAxis(p.surface->mesh()),
-                             o.sizing == Sizing::kError ? p.parameter : std::numeric_limits<double>::infinity()};
+  const auto predicted = static_cast<uint64_t>(std::min(p.predicted_triangles, 1e18));
+  const FrontOptions options{
+      .flips = o.flips,
+      .smooth = o.smooth,
+      .fit = o.fit,
+      .error_per_length = error_per_length,
+      .predicted_triangles = predicted,
+      .max_triangles = kMaxPerPredicted * predicted + kMaxBeyondPredicted,
+      .sweep = LongestAxis(p.surface->mesh()),
+      .max_error = o.sizing == Sizing::kError ? p.parameter : std::numeric_limits<double>::infinity()};
   MESHFRONT_ASSIGN_OR_RETURN(const FrontReport front,
                              AdvanceFront(*p.surface, *p.field, p.loops, p.seeds, options, outgoing, context));
   if (front.triangles == 0) return NothingMeshed(front, p.scale);

@@ -53,7 +53,6 @@ constexpr double kRollBackLength = 0.7;    // of g, where the front has to advan
 constexpr size_t kMaxRollBacksAtAPlace = 5;
 constexpr size_t kMaxRollBacksForShape = 3;  // the same for slivers
 constexpr size_t kMaxRollBacks = 500;
-constexpr uint64_t kMaxPerPredicted = 2, kMaxBeyondPredicted = 20000;  // triangles; predictions are right to a tenth
 constexpr int kRollBackRings = 2;
 constexpr double kRollBackReach = 4.0;         // edge lengths around a place that count as the same place
 constexpr double kOwnIntersectionReach = 1.5;  // edge lengths around a fault in which the surface may meet itself
@@ -617,11 +616,8 @@ void AdvancingFront::SeedAgain(const SourcePoint& seed, uint32_t label) {
     ++lost_components_;
 }
 
-// Fronts that fold over what is meshed already never end: far beyond the prediction the result is worth no more time.
 bool AdvancingFront::HasRunAway() const {
-  const uint64_t made = window_.counts().triangles + fronts_.triangle_count();
-  return options_.predicted_triangles > 0 &&
-         made > kMaxPerPredicted * options_.predicted_triangles + kMaxBeyondPredicted;
+  return options_.max_triangles > 0 && window_.counts().triangles + fronts_.triangle_count() > options_.max_triangles;
 }
 
 void AdvancingFront::AbandonAll() {

@@ -24,6 +24,8 @@ struct FrontOptions {
   double error_per_length =
       1;  // ξ of eq. 6 for the angle in force: the fit keeps each triangle within ξ of its longest edge
   uint64_t predicted_triangles = 0;  // for progress only
+  // Beyond so many the fronts fold over what is meshed already: the rest is left open. 0: no limit.
+  uint64_t max_triangles = 0;
   Vec3 sweep{
       1, 0,
       0};  // the direction in which the working areas follow each other; best the one in which the surface is longest

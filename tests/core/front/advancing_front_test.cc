@@ -459,33 +459,32 @@ TEST(AdvanceFront, ReportsAPlaceThatItCouldNotClose) {
   EXPECT_EQ(report->pinched_vertices, 0u);
 }
 
-// Rough places all over a sphere, close together: where open loops meet, the triangles at a vertex are not one fan.
+// Fronts that are stopped in the middle: where two of their edges meet in a vertex, the triangles there are not one fan.
 TEST(AdvanceFront, CountsTheVerticesWhereOpenPlacesTouch) {
-  class RoughAllOver : public SphereSurface {
-   public:
-    explicit RoughAllOver(double frequency) : frequency_(frequency) {}
-    bool IsRough(const Vec3& x) const {
-      return x.z < 0.7 && std::sin(frequency_ * x.x) + std::sin(frequency_ * x.y) + std::sin(frequency_ * x.z) > 0;
-    }
-    std::optional<SourcePoint> FindApex(const SourcePoint& a, const SourcePoint& b, double ra,
-                                        double rb) const override {
-      return IsRough(a.position) ? std::nullopt : SphereSurface::FindApex(a, b, ra, rb);
-    }
-    SourcePoint Snap(const SourcePoint& start, const Vec3& target) const override {
-      const SourcePoint x = SphereSurface::Snap(start, target);
-      return IsRough(x.position) ? start : x;
-    }
+  const TorusSurface torus(2, 0.7);
+  int pinched = 0;
+  for (uint64_t limit = 500; limit < 6000; limit += 250) {
+    Outcome run;
+    FrontOptions options = kPlain;
+    options.max_triangles = limit;
+    run.report = AdvanceFront(torus, Uniform(0.15), {}, {torus.Project({2.7, 0, 0}, 0)}, options, run.sink, {});
+    ASSERT_THAT(run.report, IsOk());
+    EXPECT_EQ(run.report->pinched_vertices == 0, MeasureTopology(run.sink.mesh()).manifold) << limit;
+    pinched += run.report->pinched_vertices > 0;
+  }
+  EXPECT_GT(pinched, 0) << "no open places touch: choose other limits";
+}
 
-   private:
-    const double frequency_;
-  };
-  const RoughAllOver sphere(6.5);
+TEST(AdvanceFront, StopsAndSaysWhereItIsOpenBeyondTheLimitOfTriangles) {
+  const TorusSurface torus(2, 0.7);
   Outcome run;
-  run.report = AdvanceFront(sphere, Uniform(0.1), {}, {sphere.Project({0, 0, 1}, 0)}, kPlain, run.sink, {});
+  FrontOptions options;
+  options.max_triangles = 1000;
+  run.report = AdvanceFront(torus, Uniform(0.1), {}, {torus.Project({2.7, 0, 0}, 0)}, options, run.sink, {});
   ASSERT_THAT(run.report, IsOk());
-  EXPECT_GT(run.report->open_places.size(), 1u);
-  EXPECT_GT(run.report->pinched_vertices, 0u);
-  EXPECT_FALSE(MeasureTopology(run.sink.mesh()).manifold) << "no open places touch: choose another frequency";
+  EXPECT_THAT(run.report->open_places, Not(IsEmpty()));
+  EXPECT_LT(run.report->triangles, 3000u) << "at most a working area more";
+  EXPECT_EQ(run.sink.mesh().triangles.size(), run.report->triangles);
 }
 
 TEST(AdvanceFront, ReportsASeedThatFindsNoTriangle) {
