@@ -132,6 +132,16 @@ void Scale(Preparation& p, Report& report) {
   for (Vec3& place : report.open_places) place = place / p.scale;
 }
 
+// Triangles are not refined until they keep max_error (yet): what exceeds it is said.
+void WarnOfDeviations(const FrontReport& front, double scale, Report& report) {
+  if (front.beyond_max_error == 0) return;
+  const double largest = front.largest_deviation / scale;
+  report.warnings.push_back(absl::StrCat(front.beyond_max_error, " of ", front.triangles,
+                                         " triangles are farther from the surface than ", "max_error (",
+                                         report.error_bound, "), by up to ", largest));
+  report.error_bound = std::max(report.error_bound, largest);
+}
+
 }  // namespace
 
 absl::Status ValidateOptions(const RemeshOptions& o) {
@@ -194,6 +204,7 @@ absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& co
   report.seconds.mesh = report.seconds.engine - prepared;
   report.threads = ThreadsInForce(context);
   Scale(p, report);
+  WarnOfDeviations(front, p.scale, report);
   return report;
 } catch (const std::exception&) {
   return StatusOfException();

@@ -79,6 +79,7 @@ struct Report {
   TopologyReport output;
   bool complete = true;  // false: open_places lists where the mesh could not be closed
   std::vector<Vec3> open_places;
+  std::vector<std::string> warnings;  // what the caller should know of the result, one sentence each
   struct {
     double radius_ratio_min = 0, radius_ratio_p0_5 = 0, radius_ratio_median = 0, min_angle_deg = 0;
   } quality;

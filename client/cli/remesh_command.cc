@@ -158,6 +158,7 @@ class RemeshCommand {
     if (!collector.local_error().ok()) return Fail(ExitCode::kOutput, collector.local_error());
     if (!summary.ok()) return FailCall(summary.status(), called_with());
     summary_ = *std::move(summary);
+    warnings_.insert(warnings_.end(), summary_.warnings().begin(), summary_.warnings().end());
     PrintWarnings(warnings_);
     if (finished.ok()) finished = spool.Finish();
     if (finished.ok()) finished = LookAtPart();

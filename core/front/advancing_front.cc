@@ -717,6 +717,8 @@ FrontReport AdvancingFront::Summarise() const {
   report.peak_front_edges = peak_front_edges_;
   report.roll_backs = roll_backs_;
   report.longest_edge = counts.longest_edge;
+  report.largest_deviation = counts.largest_deviation;
+  report.beyond_max_error = counts.beyond_max_error;
   report.quality = counts.quality.Report();
   report.boundary_edges = rim_edges_;
   report.boundary_loops = rim_loops_;

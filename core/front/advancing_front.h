@@ -42,6 +42,8 @@ struct FrontReport {
   uint64_t boundary_edges = 0, boundary_loops = 0;
   uint64_t pinched_vertices = 0;  // where open places meet each other or the rim: their triangles are not one fan
   double longest_edge = 0;
+  double largest_deviation = 0;   // from the surface, sampled at each triangle; with max_error only
+  uint64_t beyond_max_error = 0;  // triangles that deviate more than max_error there
   QualityReport quality;
   std::vector<Vec3>
       open_places;  // where the mesh could not be closed, or not without an intersection; empty when all is well

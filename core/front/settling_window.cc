@@ -377,6 +377,19 @@ bool SettlingWindow::Leaves(WindowTriangleId id) const {
                                 [&](WindowVertexId v) { return fronts_.at(v).depth >= kEmitDepth; });
 }
 
+// From the surface, at the centroid and the middles of the sides.
+double SettlingWindow::DeviationOf(const WindowTriangle& t) const {
+  const WindowVertex* v[3] = {&fronts_.at(t.corners[0]), &fronts_.at(t.corners[1]), &fronts_.at(t.corners[2])};
+  const Vec3 middle = (v[0]->position + v[1]->position + v[2]->position) / 3.0;
+  const SourcePoint foot = surface_.Snap(v[0]->source, middle);
+  double deviation = Distance(foot.position, middle);
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 half = 0.5 * (v[i]->position + v[(i + 1) % 3]->position);
+    deviation = std::max(deviation, Distance(surface_.Snap(foot, half).position, half));
+  }
+  return deviation;
+}
+
 void SettlingWindow::FindSlivers() {
   slivers_.clear();
   for (const WindowTriangleId id : around_) {
@@ -493,6 +506,11 @@ absl::Status SettlingWindow::Emit(bool everything) {
     }
     triangles.push_back(out);
     kinds.push_back(t.kind);
+    if (std::isfinite(options_.max_error)) {
+      const double deviation = DeviationOf(t);
+      counts_.largest_deviation = std::max(counts_.largest_deviation, deviation);
+      counts_.beyond_max_error += deviation > options_.max_error;
+    }
     counts_.quality.Add(place[0], place[1], place[2]);
     for (int i = 0; i < 3; ++i)
       counts_.longest_edge = std::max(counts_.longest_edge, Distance(place[i], place[(i + 1) % 3]));

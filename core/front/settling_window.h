@@ -25,6 +25,8 @@ struct SettledCounts {
   uint64_t vertices = 0, triangles = 0, flips = 0;
   uint64_t by_kind[3] = {0, 0, 0};  // by TriangleKind
   double longest_edge = 0;
+  double largest_deviation = 0;   // from the surface, of centroids and middles of sides; with max_error only
+  uint64_t beyond_max_error = 0;  // triangles that deviate more than max_error there
   QualityAccumulator quality;
 };
 
@@ -80,6 +82,7 @@ class SettlingWindow {
                double& worst);
   std::vector<WindowTriangleId> Audit();
   bool Leaves(WindowTriangleId t) const;
+  double DeviationOf(const WindowTriangle& t) const;
   void FindSlivers();
   bool HasSimpleStar(WindowVertexId v) const;
   std::vector<std::pair<WindowTriangleId, WindowTriangleId>> FindIntersections() const;

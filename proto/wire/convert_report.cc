@@ -164,6 +164,7 @@ v1::Summary SummaryFromReport(const Report& report) {
   *s.mutable_parameters() = ParametersToProto(report.parameters);
   s.set_predicted_triangles(report.predicted_triangles);
   s.set_error_bound(report.error_bound);
+  for (const std::string& warning : report.warnings) s.add_warnings(warning);
   *s.mutable_output() = TopologyToProto(report.output);
   s.set_complete(report.complete);
   s.set_open_place_count(report.open_places.size());
