@@ -162,6 +162,7 @@ bool HasSingleFans(const TriangleMesh& mesh, const FaceAdjacency& adjacency) {
 
 std::vector<std::vector<uint32_t>> FindBoundaryLoops(const FaceAdjacency& adjacency) {
   std::vector<std::vector<uint32_t>> loops;
+  if (adjacency.opposite.empty()) return loops;
   std::vector<bool> visited(3 * adjacency.opposite.size(), false);
   const uint32_t* const opposite = adjacency.opposite.data()->data();
   for (uint32_t first = 0; first < visited.size(); ++first) {

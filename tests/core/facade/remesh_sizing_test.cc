@@ -131,7 +131,7 @@ TEST(TargetTriangles, AreMetAgainByTheParameterThatWasSolvedFor) {
 
 TEST(TargetTriangles, LeaveDetailOutWhereTheSurfaceIsTooRoughForTheirNumber) {
   // Some forty bumps: at the largest rho each still has a dozen edges.
-  const TriangleMesh input = Mapped(Icosphere(kFine ? 6 : 5), [](const Vec3& p) {
+  const TriangleMesh input = Mapped(Icosphere(6), [](const Vec3& p) {
     return (1 + 0.05 * std::sin(14 * p.x) * std::sin(14 * p.y + 1) * std::sin(14 * p.z + 2)) * p;
   });
   const uint64_t count = 600;
@@ -288,8 +288,9 @@ TEST(Estimate, PredictsTheCountAndTheMedianEdge) {
       ASSERT_THAT(estimate, IsOk());
       const Outcome out = RemeshOrFail(input, options);
       const double got = static_cast<double>(out.report.output.triangles);
-      EXPECT_NEAR(static_cast<double>(estimate->predicted_triangles) / got, 1, got < 2000 ? 0.1 : 0.03);
-      EXPECT_NEAR(estimate->edge_median / MedianEdge(out.mesh), 1, 0.1);
+      // The coarse shapes of the sanitized builds have few triangles and steep fields.
+      EXPECT_NEAR(static_cast<double>(estimate->predicted_triangles) / got, 1, !kFine ? 0.15 : got < 2000 ? 0.1 : 0.03);
+      EXPECT_NEAR(estimate->edge_median / MedianEdge(out.mesh), 1, kFine ? 0.1 : 0.15);
     }
   }
 }
