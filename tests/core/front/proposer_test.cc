@@ -327,6 +327,23 @@ TEST(ProposeConnection, MergesWithAnotherLoop) {
   EXPECT_EQ(scene.connection.corner, other[0]);
 }
 
+TEST(ProposeEar, IsALowerBoundOfWhatASearchFinds) {
+  for (const int n : {4, 5}) {
+    Scene scene;
+    const auto e = scene.Loop(Polygon(n));
+    const ConnectionProposal ear = scene.proposer.ProposeEar(e[0], kStrict);
+    ASSERT_TRUE(ear.corner.valid()) << n;
+    EXPECT_TRUE(ear.corner == e[n - 1] || ear.corner == e[2]) << n;
+    ASSERT_EQ(scene.proposer.ProposeConnection(e[0], kStrict, scene.connection), Verdict::kAccepted) << n;
+    EXPECT_GE(scene.connection.score, ear.score) << n;
+  }
+}
+
+TEST(ProposeEar, FindsNoneWhereTheNeighboursLeadAway) {
+  Scene scene;
+  EXPECT_FALSE(scene.proposer.ProposeEar(scene.Loop(kRoomy)[0], kStrict).corner.valid());
+}
+
 TEST(ProposeConnection, FindsNothingWhereNothingIsNear) {
   Scene scene;
   EXPECT_NE(scene.proposer.ProposeConnection(scene.Loop(kRoomy)[0], kStrict, scene.connection), Verdict::kAccepted);

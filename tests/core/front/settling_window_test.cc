@@ -150,6 +150,32 @@ TEST(SettlingWindow, TurnsAnEdgeThatRaisesTheSmallestAngle) {
   }
 }
 
+// A flat rhombus with a vertex in its middle: four slivers of 0.22; without the vertex two triangles of 0.42.
+TEST(SettlingWindow, RemovesAVertexWhoseRingIsRounderWithoutIt) {
+  const PlaneSurface plane;
+  for (const bool smooth : {true, false}) {
+    FrontSet fronts;
+    std::vector<WindowVertexId> v;
+    for (const Vec3& p : {Vec3{-0.5, 0, 0}, Vec3{0, 0.06, 0}, Vec3{0.5, 0, 0}, Vec3{0, -0.06, 0}})
+      v.push_back(fronts.AddVertex({p, {0, 0, 1}}, 1, 0));
+    FrontEdgeId e = fronts.AddLoop(v);  // clockwise
+    const WindowVertexId middle = fronts.AddVertex({{0, 0, 0}, {0, 0, 1}}, 1, 0);
+    e = fronts.at(fronts.Grow(e, middle).made[1]).next;
+    for (int i = 0; i < 2; ++i)
+      e = fronts.at(fronts.Connect(e, fronts.at(e).prev, TriangleKind::kConnection).made[0]).next;
+    fronts.Connect(e, fronts.at(e).prev, TriangleKind::kClosing);
+    ASSERT_EQ(FaultOf(fronts), "");
+    ASSERT_EQ(fronts.triangle_count(), 4u);
+    CheckingSink sink;
+    SettlingWindow window(plane, fronts, {.smooth = smooth}, sink);
+    EXPECT_THAT(window.Improve({}), IsEmpty());
+    EXPECT_EQ(FaultOf(fronts), "");
+    EXPECT_EQ(fronts.at(middle).alive, !smooth);
+    EXPECT_EQ(fronts.triangle_count(), smooth ? 2u : 4u);
+    EXPECT_EQ(fronts.EdgeExists(v[1], v[3]), smooth);
+  }
+}
+
 // Two triangles that pierce each other, as two fronts on one sheet would make them.
 struct Pierced {
   Pierced() {
