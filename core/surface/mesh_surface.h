@@ -65,8 +65,8 @@ class MeshSurface final : public Surface {
   // centroid of a well-shaped face where the surface is flat for its size.
   std::vector<SourcePoint> Seeds(bool all = false) const;
 
-  // Where to sample the field: every vertex, then points on the edges and faces that are longer than `ideal_length` of the
-  // curvature there (at most 8 along an edge, and at most 4 × the vertices + 200,000 in all). With `with_thickness` each vertex
+  // Where to sample the field: every vertex, then points on the edges and faces that are longer than three times `ideal_length` of
+  // the curvature there (at most 8 along an edge, and at most 4 × the vertices + 200,000 in all). With `with_thickness` each vertex
   // gets the distance to the nearest other sheet, looked for up to 0.75 × its ideal length (at most a tenth of the diagonal).
   // FailedPrecondition before ComputeCurvature. `ideal_length` is called from one thread.
   absl::StatusOr<std::vector<CurvatureSample>> CurvatureSamples(
