@@ -25,6 +25,8 @@ namespace {
 
 // Twice the fence height stays below the distance to the other sheet: h = 2ε, so ε is at most a quarter of it.
 constexpr double kErrorPerSheetDistance = 0.25;
+// … but an edge needs to be no shorter for it than this part of the input's: those keep the sheets apart as well, or they meet.
+constexpr double kLeastPerInputEdge = 0.5;
 constexpr double kCountTolerance = 0.004;  // an eighth of what is promised of the real count
 constexpr double kReachable = 0.01;        // farther from the count than this, at the end of the range, it is refused
 constexpr int kMaxSteps = 24;
@@ -95,21 +97,10 @@ absl::Status Unreachable(uint64_t count, double nearest) {
 
 }  // namespace
 
-std::vector<double> ComponentDiagonals(const MeshSurface& surface) {
-  std::vector<Box3> boxes(surface.component_count());
-  const TriangleMesh& mesh = surface.mesh();
-  for (uint32_t f = 0; f < mesh.triangles.size(); ++f) {
-    for (const VertexId v : mesh.triangles[f]) boxes[surface.ComponentOf(FaceId(f))].Extend(mesh.PositionAt(v));
-  }
-  std::vector<double> diagonals;
-  for (const Box3& box : boxes) diagonals.push_back(box.Diagonal());
-  return diagonals;
-}
-
 FieldBuilder::FieldBuilder(const MeshSurface& surface, const SizingLimits& limits)
     : surface_(surface), limits_(limits), longest_(surface.mesh().positions.size(), kInfinity) {
   if (limits.max_edge_given || limits.sizing == Sizing::kUniform) return;
-  const std::vector<double> diagonals = ComponentDiagonals(surface);
+  const absl::Span<const double> diagonals = surface.whole_diagonals();
   for (uint32_t f = 0; f < surface.mesh().triangles.size(); ++f) {
     for (const VertexId v : surface.mesh().triangles[f]) {
       longest_[v.index()] = kMaxEdgePerComponent * diagonals[surface.ComponentOf(FaceId(f))];
@@ -143,7 +134,8 @@ double FieldBuilder::LengthAt(double max_curvature) const { return std::max(Want
 double FieldBuilder::LengthForSheet(const CurvatureSample& place) const {
   if (!std::isfinite(place.sheet_distance)) return kInfinity;
   const double curvature = detail_ > 0 ? std::min(place.max_curvature, std::sqrt(3.0) / detail_) : place.max_curvature;
-  return LengthForError(kErrorPerSheetDistance * place.sheet_distance, curvature);
+  const double length = LengthForError(kErrorPerSheetDistance * place.sheet_distance, curvature);
+  return std::max(length, kLeastPerInputEdge * place.input_edge);
 }
 
 double FieldBuilder::IdealLengthAt(double max_curvature) const {

@@ -87,6 +87,5 @@ class FieldBuilder {
 
 // The largest part of its component's diagonal that an edge may have where max_edge is not given.
 inline constexpr double kMaxEdgePerComponent = 0.25;
-std::vector<double> ComponentDiagonals(const MeshSurface& surface);
 
 }  // namespace meshfront

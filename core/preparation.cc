@@ -1,6 +1,6 @@
 // 1. CheckSize       a scale at which squares and fourth powers stay in the range of double
 // 2. Mend            repair, or refuse what would need it
-// 3. the surface     adjacency, normals, curvature
+// 3. the surface     adjacency, creases, normals, curvature
 // 4. MakeField       curvature → the guidance field, at the parameter given or the one that makes the count wanted
 // 5. the initial fronts
 #include "core/preparation.h"
@@ -8,10 +8,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numbers>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status_macros.h"
 #include "core/features/boundary.h"
+#include "core/features/creases.h"
 #include "core/field_builder.h"
 #include "core/guidance/sizing.h"
 
@@ -59,12 +61,23 @@ absl::Status Mend(TriangleMesh& mesh, bool repair, InputReport& report, std::opt
   return absl::OkStatus();
 }
 
+// The surface, cut open along its creases.
+absl::StatusOr<std::unique_ptr<MeshSurface>> MakeSurface(TriangleMesh mesh, std::optional<FaceAdjacency> adjacency,
+                                                         const RemeshOptions& options, const Context& context) {
+  if (!options.crease_angle) return MeshSurface::Create(std::move(mesh), std::move(adjacency), context);
+  if (!adjacency) adjacency = FindOrientedAdjacency(mesh);
+  if (!adjacency) return absl::InvalidArgumentError("the mesh is not an oriented manifold; repair it first");
+  const double angle = *options.crease_angle * std::numbers::pi / 180;
+  MESHFRONT_ASSIGN_OR_RETURN(const std::vector<bool> creases, FindCreases(mesh, *adjacency, angle, context));
+  return MeshSurface::Create(std::move(mesh), *std::move(adjacency), creases, context);
+}
+
 double Resolve(const std::optional<Length>& length, double diagonal, double scale, double otherwise) {
   if (!length) return otherwise;
   return length->relative ? length->value * diagonal : length->value * scale;
 }
 
-absl::Status SetClamps(const RemeshOptions& options, const std::vector<double>& component_diagonals, Preparation& p) {
+absl::Status SetClamps(const RemeshOptions& options, absl::Span<const double> component_diagonals, Preparation& p) {
   const double diagonal = p.input.diagonal * p.scale;
   const double smallest = *std::min_element(component_diagonals.begin(), component_diagonals.end());
   const double largest = *std::max_element(component_diagonals.begin(), component_diagonals.end());
@@ -155,8 +168,8 @@ absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {
   p.seconds.repair = watch.Lap();
 
   context.Report({Stage::kIndex});
-  MESHFRONT_ASSIGN_OR_RETURN(p.surface, MeshSurface::Create(std::move(problem.mesh), std::move(adjacency), context));
-  MESHFRONT_RETURN_IF_ERROR(SetClamps(options, ComponentDiagonals(*p.surface), p));
+  MESHFRONT_ASSIGN_OR_RETURN(p.surface, MakeSurface(std::move(problem.mesh), std::move(adjacency), options, context));
+  MESHFRONT_RETURN_IF_ERROR(SetClamps(options, p.surface->whole_diagonals(), p));
   p.seconds.index = watch.Lap();
 
   context.Report({Stage::kCurvature});

@@ -151,6 +151,10 @@ absl::Status ValidateOptions(const RemeshOptions& o) {
   if (!(o.eta > 1 && o.eta < 2)) {
     return absl::InvalidArgumentError(absl::StrCat("options.eta is ", o.eta, "; it must be in (1, 2)"));
   }
+  if (o.crease_angle && !(*o.crease_angle > 0 && *o.crease_angle < 180)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("options.crease_angle is ", *o.crease_angle, "; it must be in (0, 180)"));
+  }
   MESHFRONT_RETURN_IF_ERROR(CheckLength("max_error", o.max_error));
   MESHFRONT_RETURN_IF_ERROR(CheckLength("edge_length", o.edge_length));
   MESHFRONT_RETURN_IF_ERROR(CheckLength("min_edge", o.min_edge));

@@ -37,6 +37,8 @@ struct RemeshOptions {
   std::optional<uint64_t> target_triangles;
   std::optional<Length> min_edge;  // clamp of the edge length
   std::optional<Length> max_edge;
+  // Edges across which the surface turns by more than this are kept as creases: degrees, (0, 180); none: nothing is.
+  std::optional<double> crease_angle = 40;
   bool flips = true;   // edge flips behind the front
   bool smooth = true;  // guarded smoothing and optimisation behind the front
   bool fit = true;     // vertices moved along the normal to fit the surface between them

@@ -146,8 +146,6 @@ absl::Status CheckSizingFlags(const MeshingFlags& flags, v1::Sizing sizing) {
 }
 
 absl::Status CheckBuilt(const MeshingFlags& flags) {
-  if (flags.crease_angle && *flags.crease_angle != "off")
-    return NotYet(absl::StrCat("--crease-angle ", *flags.crease_angle));
   if (flags.features) return NotYet("--features");
   if (flags.region) return NotYet("--region");
   if (flags.blend) return NotYet("--blend");
@@ -234,6 +232,10 @@ absl::StatusOr<v1::RemeshOptions> ParseMeshingFlags(const MeshingFlags& flags) {
   MESHFRONT_RETURN_IF_ERROR(CheckBuilt(flags));
   options.set_sizing(sizing);
   if (flags.crease_angle == "off") options.mutable_crease()->set_off(true);
+  if (flags.crease_angle && *flags.crease_angle != "off") {
+    MESHFRONT_ASSIGN_OR_RETURN(const double angle, ParseNumber("--crease-angle", *flags.crease_angle, kCreaseAngle));
+    options.mutable_crease()->set_angle_degrees(angle);
+  }
   if (flags.attributes == "drop") options.set_attributes(v1::ATTRIBUTE_POLICY_DROP);
   if (flags.surface == "mesh") options.set_surface(v1::SURFACE_TYPE_MESH);
   return options;

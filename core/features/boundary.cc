@@ -1,10 +1,15 @@
 #include "core/features/boundary.h"
 
 #include <algorithm>
+#include <limits>
+#include <map>
+#include <set>
 #include <utility>
+#include <vector>
 
 #include "core/base/status_macros.h"
 #include "core/features/curve.h"
+#include "core/features/feature_graph.h"
 #include "core/features/tolerances.h"
 
 namespace meshfront {
@@ -19,21 +24,194 @@ std::vector<Rim> RimsOf(const MeshSurface& surface) {
   return rims;
 }
 
-ClosedCurve CurveOf(const MeshSurface& surface, const Rim& rim) {
+Curve CurveOf(const MeshSurface& surface, const Rim& rim) {
   std::vector<Vec3> points;
   points.reserve(rim.size());
   for (uint32_t h : rim) points.push_back(surface.mesh().PositionAt(OriginOf(surface.mesh(), h)));
-  return ClosedCurve(std::move(points));
+  return Curve(std::move(points));
 }
 
 // The place at share t of a half-edge, as the surface knows it.
-SourcePoint PlaceOnRim(const MeshSurface& surface, const Rim& rim, const CurvePoint& p) {
-  const uint32_t h = rim[p.segment];
-  if (p.t == 0) return surface.AtVertex(OriginOf(surface.mesh(), h));
+SourcePoint PlaceOn(const MeshSurface& surface, uint32_t h, double t) {
+  if (t == 0) return surface.AtVertex(OriginOf(surface.mesh(), h));
   double weights[3] = {0, 0, 0};
-  weights[h % 3] = 1 - p.t;
-  weights[(h + 1) % 3] = p.t;
+  weights[h % 3] = 1 - t;
+  weights[(h + 1) % 3] = t;
   return surface.AtFace(FaceId(FaceOfHalfEdge(h)), weights[1], weights[2]);
+}
+
+// Puts the rims' loops together from the curves of the feature graph.
+class LoopBuilder {
+ public:
+  LoopBuilder(const MeshSurface& surface, std::vector<Rim> rims)
+      : surface_(surface), rims_(std::move(rims)), graph_(surface) {}
+
+  absl::StatusOr<std::vector<OrientedLoop>> Build(const GuidanceField& field, const Context& context) {
+    for (const Rim& rim : rims_) runs_.push_back(RunsOf(rim));
+    FindLeastPoints();
+    points_.resize(graph_.curves().size());
+    places_.resize(graph_.curves().size());
+    for (size_t c = 0; c < graph_.curves().size(); ++c) {
+      MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
+      MESHFRONT_RETURN_IF_ERROR(Divide(c, field, context));
+    }
+    MESHFRONT_RETURN_IF_ERROR(SplitTwins(field, context));
+    NumberJoints();
+    std::vector<OrientedLoop> loops;
+    for (size_t i = 0; i < rims_.size(); ++i) loops.push_back(LoopOf(runs_[i]));
+    return loops;
+  }
+
+ private:
+  // A curve as a rim passes through it.
+  struct Run {
+    uint32_t curve = 0;
+    bool forward = true;
+  };
+  // A point on its way into a loop, in the direction of the rim.
+  struct Passed {
+    SourcePoint place;
+    uint32_t joint = kNoJoint;
+    bool on_crease = false;  // the edge that leaves it
+  };
+
+  std::vector<Run> RunsOf(const Rim& rim) const;
+  void FindLeastPoints();
+  absl::Status Divide(size_t curve, const GuidanceField& field, const Context& context);
+  absl::Status SplitTwins(const GuidanceField& field, const Context& context);
+  void NumberJoints();
+  Passed PassPoint(const Run& run, size_t i) const;
+  OrientedLoop LoopOf(const std::vector<Run>& runs) const;
+
+  const MeshSurface& surface_;
+  const std::vector<Rim> rims_;
+  const FeatureGraph graph_;
+  std::vector<std::vector<Run>> runs_;           // of each rim
+  std::vector<size_t> least_;                    // points of each curve
+  std::vector<std::vector<CurvePoint>> points_;  // of each curve
+  std::vector<std::vector<Vec3>> places_;        // of these points
+  std::vector<uint32_t> first_joint_;            // of each curve; its points' joints follow each other
+  std::map<uint32_t, uint32_t> node_joints_;     // of each node, by its vertex
+};
+
+std::vector<LoopBuilder::Run> LoopBuilder::RunsOf(const Rim& rim) const {
+  size_t first = 0;  // a rim begins at a node, where it has one
+  const auto starts_at_node = [&](size_t i) {
+    return graph_.IsNode(surface_.OriginalOf(OriginOf(surface_.mesh(), rim[i])));
+  };
+  while (first < rim.size() && !starts_at_node(first)) ++first;
+  std::vector<Run> runs;
+  for (size_t i = 0; i < rim.size();) {
+    const CurveSegment at = graph_.SegmentOf(rim[(first + i) % rim.size()]);
+    runs.push_back({at.curve, at.forward});
+    i += graph_.curves()[at.curve].forward.size();
+  }
+  return runs;
+}
+
+// Two curves between the same nodes may not both be one edge, nor a curve from a node to itself fewer than three.
+void LoopBuilder::FindLeastPoints() {
+  const auto& curves = graph_.curves();
+  least_.assign(curves.size(), 1);
+  const auto ends_of = [&](const FeatureCurve& c) { return std::minmax(c.start(), c.end()); };
+  std::map<std::pair<uint32_t, uint32_t>, size_t> between;
+  for (const FeatureCurve& c : curves) {
+    if (!c.closed) ++between[ends_of(c)];
+  }
+  for (size_t i = 0; i < curves.size(); ++i) {
+    if (curves[i].closed) continue;
+    if (curves[i].start() == curves[i].end())
+      least_[i] = 3;
+    else if (between[ends_of(curves[i])] > 1)
+      least_[i] = 2;
+  }
+}
+
+absl::Status LoopBuilder::Divide(size_t curve, const GuidanceField& field, const Context& context) {
+  const Curve polyline = graph_.CurveOf(graph_.curves()[curve]);
+  MESHFRONT_ASSIGN_OR_RETURN(points_[curve],
+                             ResampleCurve(
+                                 polyline, [&](const Vec3& x) { return field.At(x); }, context, least_[curve]));
+  places_[curve].clear();
+  for (const CurvePoint& p : points_[curve]) places_[curve].push_back(polyline.At(p));
+  return absl::OkStatus();
+}
+
+// Two patches inside the same three edges would be the same triangle.
+absl::Status LoopBuilder::SplitTwins(const GuidanceField& field, const Context& context) {
+  std::set<std::vector<uint32_t>> triangles;
+  for (const std::vector<Run>& runs : runs_) {
+    std::vector<uint32_t> curves;
+    for (const Run& run : runs) curves.push_back(run.curve);
+    std::sort(curves.begin(), curves.end());
+    const bool is_triangle = curves.size() == 3 && std::all_of(curves.begin(), curves.end(),
+                                                               [&](uint32_t c) { return points_[c].size() == 1; });
+    if (!is_triangle || triangles.insert(curves).second) continue;
+    for (const uint32_t c : curves) {
+      least_[c] = 2;
+      MESHFRONT_RETURN_IF_ERROR(Divide(c, field, context));
+    }
+  }
+  return absl::OkStatus();
+}
+
+void LoopBuilder::NumberJoints() {
+  uint32_t next = 0;
+  const auto& curves = graph_.curves();
+  for (size_t i = 0; i < curves.size(); ++i) {
+    first_joint_.push_back(curves[i].is_crease ? next : kNoJoint);
+    if (curves[i].is_crease) next += static_cast<uint32_t>(points_[i].size());
+  }
+  for (const FeatureCurve& c : curves) {
+    if (c.closed) continue;
+    for (const uint32_t node : {c.start(), c.end()}) {
+      if (node_joints_.try_emplace(node, next).second) ++next;
+    }
+  }
+}
+
+// Point i of the curve, i counted in the direction of the run; the first is the node where it starts, if it has one.
+LoopBuilder::Passed LoopBuilder::PassPoint(const Run& run, size_t i) const {
+  const FeatureCurve& curve = graph_.curves()[run.curve];
+  const std::vector<CurvePoint>& points = points_[run.curve];
+  const size_t segments = curve.forward.size();
+  const uint32_t first_joint = first_joint_[run.curve];
+  const size_t at = run.forward ? i : (points.size() - i) % points.size();
+  const CurvePoint& p = points[at];
+  Passed passed;
+  passed.on_crease = curve.is_crease;
+  if (run.forward)
+    passed.place = PlaceOn(surface_, curve.forward[p.segment], p.t);
+  else if (i == 0 && !curve.closed)
+    passed.place = PlaceOn(surface_, curve.backward[segments - 1], 0);
+  else if (p.t > 0)
+    passed.place = PlaceOn(surface_, curve.backward[p.segment], 1 - p.t);
+  else
+    passed.place = PlaceOn(surface_, curve.backward[(p.segment + segments - 1) % segments], 0);
+  if (i == 0 && !curve.closed) {
+    passed.joint = node_joints_.at(run.forward ? curve.start() : curve.end());
+  } else if (first_joint != kNoJoint) {
+    passed.joint = first_joint + static_cast<uint32_t>(at);
+    passed.place.position = places_[run.curve][at];  // in every bit as seen from the other side
+  }
+  return passed;
+}
+
+OrientedLoop LoopBuilder::LoopOf(const std::vector<Run>& runs) const {
+  std::vector<Passed> passed;
+  for (const Run& run : runs) {
+    for (size_t i = 0; i < points_[run.curve].size(); ++i) passed.push_back(PassPoint(run, i));
+  }
+  OrientedLoop loop;
+  const size_t n = passed.size();
+  for (size_t i = n; i-- > 0;) {
+    loop.points.push_back(passed[i].place);
+    loop.joints.push_back(passed[i].joint);
+    loop.creases.push_back(passed[(i + n - 1) % n].on_crease);
+  }
+  const auto is_joint = [](uint32_t j) { return j != kNoJoint; };
+  if (std::none_of(loop.joints.begin(), loop.joints.end(), is_joint)) loop.joints.clear(), loop.creases.clear();
+  return loop;
 }
 
 }  // namespace
@@ -43,13 +221,18 @@ absl::StatusOr<std::vector<SizingSample>> BoundarySizingSamples(
   std::vector<SizingSample> samples;
   for (const Rim& rim : RimsOf(surface)) {
     MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
-    const ClosedCurve curve = CurveOf(surface, rim);
-    const double longest = curve.length() / kMinEdgesPerLoop;
+    const Curve curve = CurveOf(surface, rim);
+    // Creases are divided from node to node, whatever the length of the patch's rim.
+    const bool on_crease =
+        std::any_of(rim.begin(), rim.end(), [&](uint32_t h) { return surface.AcrossCrease(h) != kNoHalfEdge; });
+    const double longest = on_crease ? std::numeric_limits<double>::infinity() : curve.length() / kMinEdgesPerLoop;
+    const uint32_t component = surface.ComponentOf(FaceId(FaceOfHalfEdge(rim[0])));
+    const double least = kLeastOfDiagonal * surface.whole_diagonals()[component];
     std::vector<double> smooth = CurveCurvatures(curve);
     for (double& value : smooth) value = std::min(longest, ideal_length(value));
     MESHFRONT_ASSIGN_OR_RETURN(const std::vector<double> chords, LongestChords(curve, smooth, ideal_length, context));
     for (size_t i = 0; i < curve.size(); ++i) {
-      if (chords[i] > 0) samples.push_back({curve[i], chords[i]});
+      if (chords[i] > 0) samples.push_back({curve[i], std::max(chords[i], least)});
     }
   }
   return samples;
@@ -57,19 +240,8 @@ absl::StatusOr<std::vector<SizingSample>> BoundarySizingSamples(
 
 absl::StatusOr<std::vector<OrientedLoop>> BoundaryLoops(const MeshSurface& surface, const GuidanceField& field,
                                                         const Context& context) {
-  std::vector<OrientedLoop> loops;
-  for (const Rim& rim : RimsOf(surface)) {
-    MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
-    const ClosedCurve curve = CurveOf(surface, rim);
-    MESHFRONT_ASSIGN_OR_RETURN(const std::vector<CurvePoint> points,
-                               ResampleCurve(
-                                   curve, [&](const Vec3& x) { return field.At(x); }, context));
-    OrientedLoop loop;
-    loop.points.reserve(points.size());
-    for (size_t i = points.size(); i-- > 0;) loop.points.push_back(PlaceOnRim(surface, rim, points[i]));
-    loops.push_back(std::move(loop));
-  }
-  return loops;
+  LoopBuilder builder(surface, RimsOf(surface));
+  return builder.Build(field, context);
 }
 
 }  // namespace meshfront

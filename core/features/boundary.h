@@ -1,4 +1,4 @@
-// Rims of open meshes as initial fronts, and what they ask of the edge length (sec. 3.3).
+// Rims of open meshes and creases as initial fronts, and what they ask of the edge length (sec. 3.3).
 #pragma once
 
 #include <vector>
@@ -17,9 +17,11 @@ namespace meshfront {
 absl::StatusOr<std::vector<SizingSample>> BoundarySizingSamples(
     const MeshSurface& surface, absl::FunctionRef<double(double max_curvature)> ideal_length, const Context& context);
 
-// One loop per rim, in the order of FindBoundaryLoops: at least three vertices on the rim's edges, about g apart, sharp corners
-// exactly. Each runs against the faces' half-edges, so that the surface lies on its right. ResourceExhausted when g is so
-// small that a rim would get more than 2^22 vertices; stops with the context. O(rim edges + vertices).
+// One loop per rim of the surface and of its patches between creases, in the order of FindBoundaryLoops: at least three vertices on
+// the rim's edges, about g apart, sharp corners exactly. Each runs against the faces' half-edges, so that the surface lies on its
+// right. Each curve between two nodes of the feature graph is divided once, so that both sides of a crease have the same points;
+// curves that share both ends with others have one between them. ResourceExhausted when g is so small that a curve would get more
+// than 2^22 vertices; stops with the context. O(rim edges + vertices).
 absl::StatusOr<std::vector<OrientedLoop>> BoundaryLoops(const MeshSurface& surface, const GuidanceField& field,
                                                         const Context& context);
 

@@ -15,11 +15,12 @@ namespace {
 
 // The vector from vertex i along a chord of `radius`, forward or backward: to the place where the curve leaves the ball around
 // the vertex, or to the last vertex within reach.
-Vec3 ChordFrom(const ClosedCurve& curve, size_t i, double radius, bool forward) {
+Vec3 ChordFrom(const Curve& curve, size_t i, double radius, bool forward) {
   const size_t n = curve.size();
   const Vec3& center = curve[i];
   Vec3 last = center;
-  for (size_t k = 1; k <= std::min(kChordReach, n / 2); ++k) {
+  const size_t to_end = forward ? n - 1 - i : i;
+  for (size_t k = 1; k <= std::min(kChordReach, curve.closed() ? n / 2 : to_end); ++k) {
     const Vec3& next = curve[forward ? i + k : i + n - k];
     const double reached = Distance(next, center), before = Distance(last, center);
     if (reached >= radius) {
@@ -32,7 +33,7 @@ Vec3 ChordFrom(const ClosedCurve& curve, size_t i, double radius, bool forward) 
   return last - center;
 }
 
-double TurnAt(const ClosedCurve& curve, size_t i, double radius) {
+double TurnAt(const Curve& curve, size_t i, double radius) {
   const Vec3 in = -ChordFrom(curve, i, radius, false), out = ChordFrom(curve, i, radius, true);
   const double lengths = Norm(in) * Norm(out);
   return lengths > 0 ? Dot(in, out) / lengths : 1;
@@ -44,10 +45,11 @@ struct Candidate {
   double radius;
 };
 
-bool HasCornerWithin(const ClosedCurve& curve, const std::vector<bool>& is_corner, const Candidate& c) {
+bool HasCornerWithin(const Curve& curve, const std::vector<bool>& is_corner, const Candidate& c) {
   const size_t n = curve.size();
   for (const bool forward : {true, false}) {
-    for (size_t k = 1; k <= std::min(kChordReach, n - 1); ++k) {
+    const size_t to_end = forward ? n - 1 - c.vertex : c.vertex;
+    for (size_t k = 1; k <= std::min(kChordReach, curve.closed() ? n - 1 : to_end); ++k) {
       const size_t i = (forward ? c.vertex + k : c.vertex + n - k) % n;
       if (Distance(curve[i], curve[c.vertex]) >= c.radius) break;
       if (is_corner[i]) return true;
@@ -58,9 +60,10 @@ bool HasCornerWithin(const ClosedCurve& curve, const std::vector<bool>& is_corne
 
 }  // namespace
 
-absl::StatusOr<std::vector<uint32_t>> FindCorners(const ClosedCurve& curve, LengthField field, const Context& context) {
+absl::StatusOr<std::vector<uint32_t>> FindCorners(const Curve& curve, LengthField field, const Context& context) {
   std::vector<Candidate> candidates;
-  for (uint32_t i = 0; i < curve.size(); ++i) {
+  const auto ends = curve.closed() ? 0u : 1u;  // which are corners anyhow
+  for (uint32_t i = ends; i + ends < curve.size(); ++i) {
     if (i % kCornerStopInterval == 0) MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
     const double g = field(curve[i]);
     const double near = TurnAt(curve, i, 0.5 * g);
@@ -70,6 +73,7 @@ absl::StatusOr<std::vector<uint32_t>> FindCorners(const ClosedCurve& curve, Leng
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.cosine < b.cosine; });
   std::vector<bool> is_corner(curve.size());
+  if (!curve.closed()) is_corner.front() = is_corner.back() = true;
   std::vector<uint32_t> corners;
   for (const Candidate& c : candidates) {
     if (HasCornerWithin(curve, is_corner, c)) continue;

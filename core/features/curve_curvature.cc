@@ -15,7 +15,7 @@
 namespace meshfront {
 namespace {
 
-double ArcBetween(const ClosedCurve& curve, size_t i, size_t steps) {
+double ArcBetween(const Curve& curve, size_t i, size_t steps) {
   double arc = 0;
   for (size_t k = 0; k < steps; ++k) arc += Distance(curve[i + k], curve[i + k + 1]);
   return arc;
@@ -26,7 +26,7 @@ double CosineOf(const Vec3& a, const Vec3& b) {
   return lengths > 0 ? Dot(a, b) / lengths : 1;
 }
 
-bool IsSharp(const ClosedCurve& curve, size_t i, size_t reach) {
+bool IsSharp(const Curve& curve, size_t i, size_t reach) {
   const size_t n = curve.size(), before = i + n - reach;
   const Vec3& p = curve[i];
   if (CosineOf(p - curve[i + n - 1], curve[i + 1] - p) > kCornerCosine) return false;
@@ -71,7 +71,7 @@ struct Neighbourhood {
   double mean_edge = 0;
 };
 
-Neighbourhood NeighbourhoodOf(const ClosedCurve& curve, const std::vector<bool>& sharp, size_t i) {
+Neighbourhood NeighbourhoodOf(const Curve& curve, const std::vector<bool>& sharp, size_t i) {
   const size_t n = curve.size(), reach = std::min(kCurvatureReach, (n - 1) / 2);
   Neighbourhood around;
   Vec3 ends[2];
@@ -90,7 +90,7 @@ Neighbourhood NeighbourhoodOf(const ClosedCurve& curve, const std::vector<bool>&
   return around;
 }
 
-double FitCurvature(const ClosedCurve& curve, const std::vector<bool>& sharp, size_t i) {
+double FitCurvature(const Curve& curve, const std::vector<bool>& sharp, size_t i) {
   const Neighbourhood around = NeighbourhoodOf(curve, sharp, i);
   if (!(around.mean_edge > 0)) return 0;
   CircleFit fit;
@@ -104,14 +104,14 @@ double FitCurvature(const ClosedCurve& curve, const std::vector<bool>& sharp, si
 
 }  // namespace
 
-std::vector<bool> FindSharpVertices(const ClosedCurve& curve) {
+std::vector<bool> FindSharpVertices(const Curve& curve) {
   const size_t reach = std::clamp<size_t>(curve.size() / 8, 1, kCurvatureReach);
   std::vector<bool> sharp(curve.size());
   for (size_t i = 0; i < curve.size(); ++i) sharp[i] = IsSharp(curve, i, reach);
   return sharp;
 }
 
-std::vector<double> CurveCurvatures(const ClosedCurve& curve) {
+std::vector<double> CurveCurvatures(const Curve& curve) {
   const std::vector<bool> sharp = FindSharpVertices(curve);
   std::vector<double> curvatures(curve.size());
   for (size_t i = 0; i < curve.size(); ++i) curvatures[i] = sharp[i] ? 0 : FitCurvature(curve, sharp, i);

@@ -5,7 +5,8 @@
 //      spacing follows the field and closes.
 //   4. FindFarVertices: where a chord leaves the curve too far aside, the vertex farthest from it becomes an anchor, unless it
 //      lies too close to one; again from 2, a few times.
-//   5. Fewer than three points: again with the three vertices that span the curve as anchors.
+//   5. Fewer than three points: again with the three vertices that span the curve as anchors. Of an open curve, fewer than asked
+//      for: evenly along it.
 // Rejected: a second walk with scaled steps. It rarely ends where it should; spreading in step 3 does by construction.
 #include <algorithm>
 #include <cmath>
@@ -44,11 +45,12 @@ double CrossingOf(const Vec3& inside, const Vec3& outside, const Vec3& center, d
 
 class Resampler {
  public:
-  Resampler(const ClosedCurve& curve, LengthField field, const Context& context)
-      : curve_(curve), field_(field), context_(context) {}
+  Resampler(const Curve& curve, LengthField field, const Context& context, size_t least)
+      : curve_(curve), field_(field), context_(context), least_(least) {}
 
   absl::StatusOr<std::vector<CurvePoint>> Run() {
     MESHFRONT_ASSIGN_OR_RETURN(std::vector<uint32_t> anchors, FindCorners(curve_, field_, context_));
+    if (!curve_.closed()) anchors.insert(anchors.begin(), 0);
     if (anchors.empty()) anchors = {VertexOfSmallestLength()};
     MESHFRONT_RETURN_IF_ERROR(DivideBetween(anchors));
     for (int round = 0; round < kMaxRefinements; ++round) {
@@ -58,7 +60,8 @@ class Resampler {
       std::sort(anchors.begin(), anchors.end());
       MESHFRONT_RETURN_IF_ERROR(DivideBetween(anchors));
     }
-    if (points_.size() < 3) MESHFRONT_RETURN_IF_ERROR(DivideBetween(SpanningVertices()));
+    if (!curve_.closed() && points_.size() < least_) DivideEvenly();
+    if (curve_.closed() && points_.size() < 3) MESHFRONT_RETURN_IF_ERROR(DivideBetween(SpanningVertices()));
     for (CurvePoint& p : points_) p.segment %= curve_.size();
     return std::move(points_);
   }
@@ -99,11 +102,23 @@ class Resampler {
     return span;
   }
 
+  // Where the piece behind the last anchor ends.
+  uint32_t EndAfter(const std::vector<uint32_t>& anchors) const {
+    const auto size = static_cast<uint32_t>(curve_.size());
+    return curve_.closed() ? anchors[0] + size : size - 1;
+  }
+
+  void DivideEvenly() {
+    points_.clear();
+    for (size_t i = 0; i < least_; ++i)
+      points_.push_back(curve_.PointAtArc(curve_.length() * static_cast<double>(i) / static_cast<double>(least_)));
+  }
+
   absl::Status DivideBetween(const std::vector<uint32_t>& anchors) {
     points_.clear();
     for (size_t i = 0; i < anchors.size(); ++i) {
       const bool last = i + 1 == anchors.size();
-      const uint32_t next = last ? anchors[0] + static_cast<uint32_t>(curve_.size()) : anchors[i + 1];
+      const uint32_t next = last ? EndAfter(anchors) : anchors[i + 1];
       MESHFRONT_RETURN_IF_ERROR(DividePiece({anchors[i], next}));
     }
     return absl::OkStatus();
@@ -179,7 +194,7 @@ class Resampler {
       const double room = kMinAnchorDistance * field_(curve_[*far]);
       if (!found.empty() && Distance(curve_[*far], curve_[found.back()]) < room) continue;
       const auto next = std::upper_bound(anchors.begin(), anchors.end(), *far);
-      const uint32_t after = next == anchors.end() ? anchors.front() : *next;
+      const uint32_t after = next == anchors.end() ? EndAfter(anchors) : *next;
       const uint32_t before = next == anchors.begin() ? anchors.back() : *(next - 1);
       if (Distance(curve_[*far], curve_[after]) < room || Distance(curve_[*far], curve_[before]) < room) continue;
       found.push_back(*far);
@@ -191,7 +206,10 @@ class Resampler {
   std::optional<uint32_t> FarthestFromChord(size_t i) const {
     const CurvePoint& a = points_[i];
     CurvePoint b = points_[(i + 1) % points_.size()];
-    if (i + 1 == points_.size()) b.segment += static_cast<uint32_t>(curve_.size());
+    if (i + 1 == points_.size()) {
+      b.segment += static_cast<uint32_t>(curve_.size());
+      if (!curve_.closed()) b = {static_cast<uint32_t>(curve_.size() - 1), 0};
+    }
     const Vec3 from = curve_.At(a), to = curve_.At(b);
     double farthest = kMaxSagittaShare * std::max(Distance(from, to), field_(from));
     std::optional<uint32_t> vertex;
@@ -203,18 +221,19 @@ class Resampler {
     return vertex;
   }
 
-  const ClosedCurve& curve_;
+  const Curve& curve_;
   LengthField field_;
   const Context& context_;
+  const size_t least_;
   std::vector<CurvePoint> points_;  // segments run on past the size until the end
   std::vector<double> marks_;
 };
 
 }  // namespace
 
-absl::StatusOr<std::vector<CurvePoint>> ResampleCurve(const ClosedCurve& curve, LengthField field,
-                                                      const Context& context) {
-  return Resampler(curve, field, context).Run();
+absl::StatusOr<std::vector<CurvePoint>> ResampleCurve(const Curve& curve, LengthField field, const Context& context,
+                                                      size_t least) {
+  return Resampler(curve, field, context, least).Run();
 }
 
 }  // namespace meshfront

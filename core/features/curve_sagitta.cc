@@ -32,7 +32,7 @@ class ChordSearch {
  public:
   using LengthOfCurvature = absl::FunctionRef<double(double max_curvature)>;
 
-  ChordSearch(const ClosedCurve& curve, LengthOfCurvature ideal_length)
+  ChordSearch(const Curve& curve, LengthOfCurvature ideal_length)
       : curve_(curve),
         ideal_length_(ideal_length),
         sharp_(FindSharpVertices(curve)),
@@ -98,7 +98,7 @@ class ChordSearch {
     return sharp_before_[begin + count] > sharp_before_[begin];
   }
 
-  const ClosedCurve& curve_;
+  const Curve& curve_;
   LengthOfCurvature ideal_length_;
   std::vector<bool> sharp_;
   std::vector<uint32_t> sharp_before_;  // of two rounds: how many of the vertices before are sharp
@@ -106,7 +106,7 @@ class ChordSearch {
 
 }  // namespace
 
-absl::StatusOr<std::vector<double>> LongestChords(const ClosedCurve& curve, absl::Span<const double> longest,
+absl::StatusOr<std::vector<double>> LongestChords(const Curve& curve, absl::Span<const double> longest,
                                                   absl::FunctionRef<double(double max_curvature)> ideal_length,
                                                   const Context& context) {
   const ChordSearch search(curve, ideal_length);

@@ -45,4 +45,21 @@ inline constexpr size_t kChordStopInterval = 16;  // vertices between two looks 
 // Ideal length on a curve is at most its length divided by this: g is l/η there, so a small hole gets about five vertices.
 inline constexpr double kMinEdgesPerLoop = 4;
 
+// Gaps in a crease are bridged over edges that turn by at least this part of the angle …
+inline constexpr double kWeakCrease = 0.5;
+inline constexpr int kMaxBridge = 6;                // … so many of them
+inline constexpr double kBridgeStraightness = 0.7;  // … each within 45° of the one before (cosine)
+// A face lower than this part of its longest side squared has no normal of its own.
+inline constexpr double kSliverHeight = 1e-4;
+// Patches that touch and have at most so many faces together may be a speck: if they are very few, with sides that are not shorter
+// than this part of those around, or all within this part of the diagonal …
+inline constexpr uint32_t kSpeckFaces = 40, kMaxSpeckFaces = 400;
+inline constexpr double kSpeckFineness = 0.25;
+inline constexpr double kSpeckOfDiagonal = 0.005;
+// … or if their creases zigzag: mean cosine of the turn from edge to edge.
+inline constexpr double kZigzagCosine = 0.85;
+// Where faces across an edge turn their backs on each other (cosine), a speck of more faces than the first is kept: no smooth
+// patch goes over that.
+inline constexpr double kFoldCosine = 0.0;
+
 }  // namespace meshfront

@@ -27,6 +27,7 @@
 #include <map>
 #include <queue>
 
+#include "absl/container/flat_hash_map.h"
 #include "core/base/status_macros.h"
 #include "core/front/agenda.h"
 #include "core/front/closure.h"
@@ -104,6 +105,9 @@ class AdvancingFront {
 
   WindowVertexId NewVertex(const SourcePoint& source, uint32_t origin);
   void AddLoop(const OrientedLoop& loop);
+  void AddRimEdge(WindowVertexId u, WindowVertexId v);
+  bool IsOnBoundary(WindowVertexId v) const;
+  void AttachJoints(const OrientedLoop& loop, const std::vector<WindowVertexId>& vertices, uint32_t origin);
   void AddSeed(const SourcePoint& seed);
   bool TrySeed(const SourcePoint& seed, double length, const Vec3& direction);
 
@@ -141,10 +145,11 @@ class AdvancingFront {
   FrontReport Summarise() const;
 
   uint32_t NewOrigin() { return labels_.emplace_back(static_cast<uint32_t>(labels_.size())); }
-  uint32_t RootOf(uint32_t label) const {
-    while (labels_[label] != label) label = labels_[label];
+  static uint32_t RootOf(const std::vector<uint32_t>& labels, uint32_t label) {
+    while (labels[label] != label) label = labels[label];
     return label;
   }
+  uint32_t RootOf(uint32_t label) const { return RootOf(labels_, label); }
   EdgeState& StateOf(FrontEdgeId edge) {
     if (states_.size() <= edge.index()) states_.resize(2 * edge.index() + 16);
     return states_[edge.index()];
@@ -171,6 +176,8 @@ class AdvancingFront {
   size_t window_after_settling_ = 0;
   uint64_t peak_front_edges_ = 0, roll_backs_ = 0;
   uint64_t rim_edges_ = 0, rim_loops_ = 0;
+  absl::flat_hash_map<uint32_t, uint32_t> shared_rims_;  // of each vertex on a rim that creases end on, its place in …
+  std::vector<uint32_t> rim_labels_;                     // … this union-find, which counts those rims
   std::vector<uint32_t> labels_;  // union-find over the origins of the fronts: counts the components
   size_t lost_components_ = 0;
   std::vector<Vec3> open_places_;  // seeds without a triangle; the loops that stay open are found at the end
@@ -179,6 +186,7 @@ class AdvancingFront {
 WindowVertexId AdvancingFront::NewVertex(const SourcePoint& source, uint32_t origin) {
   const WindowVertexId v = fronts_.AddVertex(source, field_.At(source.position), surface_.MaxCurvatureAt(source));
   fronts_.at(v).origin = origin;
+  fronts_.at(v).sheet = surface_.SheetOf(source);
   fronts_.at(v).refined = field_.IsRefinedAt(source.position);
   return v;
 }
@@ -187,10 +195,50 @@ void AdvancingFront::AddLoop(const OrientedLoop& loop) {
   std::vector<WindowVertexId> vertices;
   const uint32_t origin = NewOrigin();
   for (const SourcePoint& p : loop.points) vertices.push_back(NewVertex(p, origin));
+  AttachJoints(loop, vertices, origin);
   FrontEdgeId e = fronts_.AddLoop(vertices);
   for (size_t i = 0; i < vertices.size(); ++i, e = fronts_.at(e).next) Welcome(e);
-  ++rim_loops_;
-  rim_edges_ += vertices.size();
+  if (loop.creases.empty()) return static_cast<void>(rim_edges_ += vertices.size(), ++rim_loops_);
+  for (size_t i = 0; i < vertices.size(); ++i) {
+    if (!loop.creases[i]) AddRimEdge(vertices[i], vertices[(i + 1) % vertices.size()]);
+  }
+}
+
+// Of a rim that creases end on, which several loops share: its vertices are joined here.
+void AdvancingFront::AddRimEdge(WindowVertexId u, WindowVertexId v) {
+  const auto name = [this](WindowVertexId w) {
+    const auto next = static_cast<uint32_t>(shared_rims_.size());
+    return shared_rims_.try_emplace(fronts_.IdentityOf(w), next).first->second;
+  };
+  const uint32_t from = name(u), to = name(v);
+  while (rim_labels_.size() < shared_rims_.size()) {
+    rim_labels_.push_back(static_cast<uint32_t>(rim_labels_.size()));
+    ++rim_loops_;
+  }
+  const uint32_t from_root = RootOf(rim_labels_, from), to_root = RootOf(rim_labels_, to);
+  rim_loops_ -= from_root != to_root;
+  rim_labels_[from_root] = to_root;
+  ++rim_edges_;
+}
+
+bool AdvancingFront::IsOnBoundary(WindowVertexId v) const {
+  const WindowVertex& w = fronts_.at(v);
+  return w.on_rim && (w.joint == kNoJoint || shared_rims_.contains(fronts_.IdentityOf(v)));
+}
+
+// A loop along creases belongs to the component of the loops on their other sides.
+void AdvancingFront::AttachJoints(const OrientedLoop& loop, const std::vector<WindowVertexId>& vertices,
+                                  uint32_t origin) {
+  for (size_t i = 0; i < loop.joints.size(); ++i) {
+    if (loop.joints[i] == kNoJoint) continue;
+    fronts_.AttachJoint(vertices[i], loop.joints[i]);
+    Joint& joint = fronts_.joint(loop.joints[i]);
+    if (joint.vertices == 1) joint.label = origin;
+    labels_[RootOf(joint.label)] = RootOf(origin);
+  }
+  for (size_t i = 0; i < loop.creases.size(); ++i) {
+    if (loop.creases[i]) fronts_.MarkCrease(vertices[i], vertices[(i + 1) % vertices.size()]);
+  }
 }
 
 void AdvancingFront::AddSeed(const SourcePoint& seed) {
@@ -475,7 +523,7 @@ bool AdvancingFront::RescueStuck() {
 
 bool AdvancingFront::CloseLoop(const std::vector<FrontEdgeId>& loop, const Strictness& strictness) {
   const int n = static_cast<int>(loop.size());
-  if (n > kMaxLoopToTriangulate) return false;
+  if (n > kMaxLoopToTriangulate || !proposer_.SurroundsOpenSide(loop[0])) return false;
   std::vector<WindowVertexId> v;
   double mean_square = 0;
   for (const FrontEdgeId e : loop) {
@@ -638,27 +686,35 @@ void AdvancingFront::Abandon(const std::vector<FrontEdgeId>& loop) {
 void AdvancingFront::ReportOpenLoops(FrontReport& report) const {
   std::vector<bool> seen(fronts_.edge_slots(), false);
   std::map<uint32_t, int> open_ends;  // edges of the mesh's boundary that end at a vertex: two, unless it is pinched
-  const auto count_end = [&](WindowVertexId v, bool covered) {
-    const auto [found, is_new] = open_ends.try_emplace(v.index(), fronts_.at(v).on_rim ? 2 : 0);
-    found->second += covered ? 1 : -1;
+  const auto count_end = [&](WindowVertexId v, int change) {
+    const auto [found, is_new] = open_ends.try_emplace(fronts_.IdentityOf(v), IsOnBoundary(v) ? 2 : 0);
+    found->second += change;
+  };
+  // What the edge adds to the mesh's boundary: a side of a triangle does, the rim of the surface is less. On a crease the other
+  // patch's triangle is what is bare.
+  const auto change_at = [&](FrontEdgeId e) {
+    if (!fronts_.at(e).owner.is_rim()) return 1;
+    return fronts_.IsOnCrease(e) ? fronts_.SidesOnCrease(e) : -1;
   };
   for (uint32_t i = 0; i < seen.size(); ++i) {
     if (seen[i] || !fronts_.at(FrontEdgeId(i)).alive) continue;
     const std::vector<FrontEdgeId> loop = LoopOf(FrontEdgeId(i));
     Vec3 middle;
-    size_t bare = 0;  // edges of the rim that no triangle covers
+    size_t bare = 0;  // edges that nothing of the mesh lies at
     for (const FrontEdgeId e : loop) {
       seen[e.index()] = true;
       middle += fronts_.at(fronts_.From(e)).position / static_cast<double>(loop.size());
-      bare += fronts_.at(e).owner.is_rim();
-      count_end(fronts_.From(e), !fronts_.at(e).owner.is_rim());
-      count_end(fronts_.To(e), !fronts_.at(e).owner.is_rim());
+      const int change = change_at(e);
+      bare += change <= 0;
+      if (!fronts_.IsOnCrease(e) || !fronts_.at(e).owner.is_rim()) report.boundary_edges += change;
+      count_end(fronts_.From(e), change);
+      count_end(fronts_.To(e), change);
     }
     report.open_places.push_back(middle);
-    report.boundary_edges += loop.size() - 2 * bare;
     if (bare == 0) ++report.boundary_loops;
     if (bare == loop.size()) --report.boundary_loops;
   }
+  report.boundary_edges += fronts_.BareCreaseSides();
   for (const auto& [vertex, ends] : open_ends) report.pinched_vertices += ends > 2;
 }
 

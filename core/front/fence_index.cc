@@ -94,8 +94,9 @@ void FenceIndex::Insert(FrontEdgeId edge) {
   const WindowVertex &a = fronts_->at(from), &b = fronts_->at(to);
   const double length = Distance(a.position, b.position);
   fences_[edge.index()] = {edge,
-                           from,
-                           to,
+                           fronts_->IdentityOf(from),
+                           fronts_->IdentityOf(to),
+                           a.sheet,
                            a.position,
                            b.position,
                            Normalized(a.source.normal + b.source.normal),

@@ -13,7 +13,8 @@ namespace meshfront {
 // A front edge as the tests see it.
 struct Fence {
   FrontEdgeId edge;
-  WindowVertexId from, to;
+  uint32_t from, to;  // which vertices of the output its ends are: FrontSet::IdentityOf
+  uint32_t sheet;     // Surface::SheetOf
   Vec3 start, end;
   Vec3 normal;         // mean of the surface normals at the ends, unit length
   double half_height;  // h

@@ -42,6 +42,45 @@ WindowVertexId FrontSet::AddVertex(const SourcePoint& source, double length, dou
   return id;
 }
 
+void FrontSet::AttachJoint(WindowVertexId v, uint32_t joint) {
+  if (joint >= joints_.size()) joints_.resize(joint + 1);
+  at(v).joint = joint;
+  joints_[joint].normal += at(v).source.normal;
+  ++joints_[joint].vertices;
+}
+
+uint64_t FrontSet::JointPair(WindowVertexId u, WindowVertexId v) const {
+  const auto [low, high] = std::minmax(at(u).joint, at(v).joint);
+  return uint64_t{low} << 32 | high;
+}
+
+void FrontSet::CountSide(WindowVertexId u, WindowVertexId v, int change) {
+  if (at(u).joint == kNoJoint || at(v).joint == kNoJoint) return;
+  uint8_t& count = sides_at_joints_[JointPair(u, v)];
+  count = static_cast<uint8_t>(count + change);
+}
+
+void FrontSet::CountSides(const WindowTriangle& t, int change) {
+  for (int i = 0; i < 3; ++i) CountSide(t.corners[i], t.corners[Next(i)], change);
+}
+
+int FrontSet::SidesOnCrease(FrontEdgeId e) const {
+  const auto found = sides_at_joints_.find(JointPair(From(e), To(e)));
+  return found == sides_at_joints_.end() ? 0 : found->second & ~kOnCrease;
+}
+
+bool FrontSet::IsOnCrease(FrontEdgeId e) const {
+  if (at(From(e)).joint == kNoJoint || at(To(e)).joint == kNoJoint) return false;
+  const auto found = sides_at_joints_.find(JointPair(From(e), To(e)));
+  return found != sides_at_joints_.end() && (found->second & kOnCrease) != 0;
+}
+
+size_t FrontSet::BareCreaseSides() const {
+  size_t count = 0;
+  for (const auto& [pair, sides] : sides_at_joints_) count += sides == (kOnCrease | 1);
+  return count;
+}
+
 FrontEdgeId FrontSet::NewEdge(WindowVertexId from, Link owner) {
   const FrontEdgeId id(Allocate(edges_, free_edges_));
   FrontEdge& e = edges_[id.index()];
@@ -79,6 +118,7 @@ WindowTriangleId FrontSet::NewTriangle(WindowVertexId a, WindowVertexId b, Windo
   t.alive = true;
   for (int i = 0; i < 3; ++i) at(t.corners[i]).half_edge = Link::HalfEdge(id, i), ++at(t.corners[i]).triangles;
   ++triangle_count_;
+  CountSides(t, 1);
   return id;
 }
 
@@ -210,6 +250,7 @@ std::vector<FrontEdgeId> FrontSet::Remove(absl::Span<const WindowTriangleId> rem
   for (const WindowTriangleId t : removed) {
     for (const WindowVertexId v : at(t).corners) at(v).half_edge = Link::Rim(), --at(v).triangles, touched.push_back(v);
     at(t).alive = false;
+    CountSides(at(t), -1);
     free_triangles_.push_back(t.index());
     --triangle_count_;
   }
@@ -264,6 +305,7 @@ void FrontSet::Flip(Link h) {
     at(at(t).corners[k]).half_edge = Link::HalfEdge(t, k);
   }
   --at(a).triangles, --at(b).triangles, ++at(c).triangles, ++at(d).triangles;
+  CountSide(a, b, -2), CountSide(c, d, 2);
 }
 
 std::vector<VertexId> FrontSet::Settle(absl::Span<const WindowTriangleId> settled) {
@@ -296,7 +338,7 @@ std::vector<VertexId> FrontSet::Settle(absl::Span<const WindowTriangleId> settle
     if (!w.alive || w.triangles > 0 || w.first_corner.valid())
       continue;  // not by half_edge: it knows one run of several
     w.alive = false;
-    finalised.push_back(w.emitted);
+    if (w.joint == kNoJoint || --joints_[w.joint].vertices == 0) finalised.push_back(w.emitted);
     free_vertices_.push_back(v.index());
   }
   return finalised;
@@ -326,6 +368,10 @@ bool FrontSet::AnyNeighbour(WindowVertexId v, const Visitor& visit) const {
 }
 
 bool FrontSet::EdgeExists(WindowVertexId u, WindowVertexId v) const {
+  if (at(u).joint != kNoJoint && at(v).joint != kNoJoint) {  // other patches count as well
+    const auto found = sides_at_joints_.find(JointPair(u, v));
+    if (at(u).joint == at(v).joint || (found != sides_at_joints_.end() && found->second > 0)) return true;
+  }
   if (at(u).frozen()) {  // some of its triangles may be gone
     if (at(v).frozen()) return true;
     std::swap(u, v);

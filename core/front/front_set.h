@@ -5,9 +5,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "absl/container/flat_hash_map.h"
 #include "absl/types/span.h"
 #include "core/base/ids.h"
 #include "core/mesh/mesh_sink.h"
+#include "core/surface/oriented_loop.h"
 #include "core/surface/surface.h"
 
 namespace meshfront {
@@ -50,8 +52,10 @@ struct WindowVertex {
   FrontEdgeId first_corner;      // a front edge that starts here; the others follow by next_at_vertex
   Link half_edge = Link::Rim();  // an outgoing half-edge of some triangle
   VertexId emitted;              // its id in the output, once it was sent: from then on it may not move
+  uint32_t joint = kNoJoint;     // which vertex of the output it shares with vertices of other fronts
   uint32_t triangles = 0;        // unsettled ones that use it
   uint32_t origin = 0;           // which loop or seed its front came from (counts the components)
+  uint32_t sheet = 0;            // Surface::SheetOf: fronts on others are none of its business
   uint32_t depth = 0;            // scratch of the settling window: rings between it and the nearest front
   bool improved = false;         // the settling window has had its turn with it
   bool refined = false;          // its length comes from a refinement of the closing ladder
@@ -60,6 +64,14 @@ struct WindowVertex {
 
   bool on_front() const { return first_corner.valid(); }
   bool frozen() const { return emitted.valid(); }
+};
+
+// A vertex of the output that lies on a crease: every patch around it has a window vertex of its own there.
+struct Joint {
+  Vec3 normal;            // sum of those of its window vertices
+  uint32_t vertices = 0;  // of the window that are this one
+  uint32_t label = 0;     // origin of the first front that came through here
+  VertexId emitted;
 };
 
 // What the audit before settling decided of a triangle that intersects another.
@@ -94,6 +106,18 @@ class FrontSet {
   WindowVertexId AddVertex(const SourcePoint& source, double length, double max_curvature);
   // A closed loop of front edges along `vertices` with nothing on its meshed side (a rim). At least 3. Returns its first edge.
   FrontEdgeId AddLoop(absl::Span<const WindowVertexId> vertices);
+  // Says which joint a new vertex is, before its loop is added, and that an edge of the loop lies on a crease, where the loop on
+  // the other side has it too. `joint`: below 2^31.
+  void AttachJoint(WindowVertexId v, uint32_t joint);
+  void MarkCrease(WindowVertexId u, WindowVertexId v) { sides_at_joints_.try_emplace(JointPair(u, v), kOnCrease); }
+  bool IsOnCrease(FrontEdgeId e) const;
+  // Triangles that have this edge of a crease as a side, on both of its sides, 0 to 2.
+  int SidesOnCrease(FrontEdgeId e) const;
+  // Edges of creases that have a triangle on one side only.
+  size_t BareCreaseSides() const;
+  Joint& joint(uint32_t number) { return joints_[number]; }
+  // What tells vertices of the output apart: the same number for all window vertices of a joint.
+  uint32_t IdentityOf(WindowVertexId v) const { return at(v).joint == kNoJoint ? v.index() : kJointBit | at(v).joint; }
   // A triangle with three front edges around it. Returns one of them.
   FrontEdgeId AddSeed(WindowVertexId a, WindowVertexId b, WindowVertexId c);
 
@@ -151,11 +175,20 @@ class FrontSet {
   WindowTriangleId NewTriangle(WindowVertexId a, WindowVertexId b, WindowVertexId c, TriangleKind kind);
   void Join(Link half_edge, Link other);  // makes the two (half-edge, rim or settled) lie across each other
   void Chain(FrontEdgeId first, FrontEdgeId second);
+  uint64_t JointPair(WindowVertexId u, WindowVertexId v) const;
+  void CountSides(const WindowTriangle& t, int change);
+  void CountSide(WindowVertexId u, WindowVertexId v, int change);
   FrontEdgeId CornerAfterRemoval(Link removed_side, const std::vector<FrontEdgeId>& made_at,
                                  const std::vector<uint32_t>& slot) const;
   template <class Visitor>
   bool AnyNeighbour(WindowVertexId v, const Visitor& visit) const;
 
+  static constexpr uint32_t kJointBit = 0x80000000u;
+  static constexpr uint8_t kOnCrease = 0x80;  // beside a count of triangle sides
+
+  std::vector<Joint> joints_;
+  // Of each pair of joints that an edge of the output joins, wherever its triangles are by now: two patches may not have the same.
+  absl::flat_hash_map<uint64_t, uint8_t> sides_at_joints_;
   std::vector<WindowVertex> vertices_;
   std::vector<WindowTriangle> triangles_;
   std::vector<FrontEdge> edges_;

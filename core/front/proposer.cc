@@ -53,9 +53,12 @@ Verdict Proposer::Judge(Verdict verdict) {
   return verdict;
 }
 
-void Proposer::Gather(const Vec3& center, double radius) {
+// The front edges around a place, on the edge's sheet.
+void Proposer::Gather(FrontEdgeId edge, const Vec3& center, double radius) {
   near_.clear();
   fences_.Query(center, radius, near_);
+  const uint32_t sheet = fences_.at(edge).sheet;
+  std::erase_if(near_, [&](FrontEdgeId e) { return fences_.at(e).sheet != sheet; });
 }
 
 double Proposer::FreeRatio(FrontEdgeId edge) const {
@@ -72,7 +75,7 @@ Verdict Proposer::ProposeFree(FrontEdgeId edge, FreeProposal& proposal) {
   const std::optional<SourcePoint> apex = surface_.FindApex(a.source, b.source, radius_a, radius_b);
   if (!apex) return Judge(Verdict::kNoApex);
   const double step = 0.5 * (radius_a + radius_b);
-  Gather(apex->position, 1.05 * std::max(radius_a, radius_b));
+  Gather(edge, apex->position, 1.05 * std::max(radius_a, radius_b));
   proposal.apex = *apex;
   proposal.at_guidance = radius_a == a.length && radius_b == b.length;
   return Judge(CheckFree(edge, *apex, step));
@@ -124,13 +127,14 @@ Verdict Proposer::CheckFree(FrontEdgeId edge, const SourcePoint& apex, double st
   const double height_b = FenceHalfHeight(Distance(b.position, apex.position), b.max_curvature);
   const NewEdge side_a{a.position, apex.position, Normalized(a.source.normal + apex.normal), height_a};
   const NewEdge side_b{b.position, apex.position, Normalized(b.source.normal + apex.normal), height_b};
+  const uint32_t at_a = fronts_.IdentityOf(ia), at_b = fronts_.IdentityOf(ib);
   for (const FrontEdgeId f : near_) {
     if (f == edge) continue;
     const Fence& fence = fences_.at(f);
     if (DistanceToFence(apex.position, apex.normal, fence) < clearance) return Verdict::kTooClose;
-    if (fence.from != ia && fence.to != ia && CrossesFence(side_a, fence)) return Verdict::kCrossesFence;
-    if (fence.from != ib && fence.to != ib && CrossesFence(side_b, fence)) return Verdict::kCrossesFence;
-    if (fence.from == ia || fence.from == ib || Dot(fence.normal, normal) < kOtherSheetCosine) continue;
+    if (fence.from != at_a && fence.to != at_a && CrossesFence(side_a, fence)) return Verdict::kCrossesFence;
+    if (fence.from != at_b && fence.to != at_b && CrossesFence(side_b, fence)) return Verdict::kCrossesFence;
+    if (fence.from == at_a || fence.from == at_b || Dot(fence.normal, normal) < kOtherSheetCosine) continue;
     if (SegmentDistance(fence.start, a.position, apex.position) < clearance ||
         SegmentDistance(fence.start, b.position, apex.position) < clearance) {
       return Verdict::kTooClose;
@@ -183,7 +187,7 @@ Verdict Proposer::CheckSectors(Candidate& c) const {
   const auto place = [this](WindowVertexId v) { return fronts_.at(v).position; };
   const Vec3 ab = c.b->position - c.a->position, ac = c.c->position - c.a->position, cb = c.b->position - c.c->position;
   c.score = std::min(kSixtyDegrees, c.optimistic);
-  if (c.zip_before && c.zip_after) return Verdict::kAccepted;
+  if (c.zip_before && c.zip_after) return SurroundsOpenSide(c.edge) ? Verdict::kAccepted : Verdict::kOutsideSector;
   const auto whole = [](double turn) { return turn > 0 ? turn : 4.0; };
   if (!c.zip_before) {
     const Vec3 before = place(fronts_.From(fronts_.at(c.edge).prev)) - c.a->position;
@@ -212,6 +216,24 @@ Verdict Proposer::CheckSectors(Candidate& c) const {
   return Verdict::kAccepted;
 }
 
+// Whether the loop goes around its open side rather than the other way: the corners of a polygon of n sides sum up to n − 2 straight
+// angles, of the hole in a sheet to n + 2.
+bool Proposer::SurroundsOpenSide(FrontEdgeId edge) const {
+  const auto place = [this](FrontEdgeId e) { return fronts_.at(fronts_.From(e)).position; };
+  double turns = 0;
+  int corners = 0;
+  FrontEdgeId e = edge;
+  do {
+    const FrontEdgeId next = fronts_.at(e).next, before = fronts_.at(e).prev;
+    const double turn =
+        ClockwiseTurn(fronts_.at(fronts_.From(e)).source.normal, place(next) - place(e), place(before) - place(e));
+    turns += turn > 0 ? turn : 4.0;
+    ++corners;
+    e = next;
+  } while (e != edge);
+  return turns < 2.0 * corners;
+}
+
 Verdict Proposer::CheckFences(const Candidate& c, const Strictness& s) const {
   const double height_a = FenceHalfHeight(c.side_ac, std::max(c.a->max_curvature, c.c->max_curvature));
   const double height_b = FenceHalfHeight(c.side_cb, std::max(c.b->max_curvature, c.c->max_curvature));
@@ -220,15 +242,16 @@ Verdict Proposer::CheckFences(const Candidate& c, const Strictness& s) const {
   const double height = std::max({height_a, height_b, kMinFenceHeightPerLength * c.side_ab});
   const double clearance_a = s.clearance * std::min(c.side_ac, std::max(c.a->length, c.c->length));
   const double clearance_b = s.clearance * std::min(c.side_cb, std::max(c.b->length, c.c->length));
-  const auto touches = [](const Fence& f, WindowVertexId u, WindowVertexId v) {
+  const uint32_t at_a = fronts_.IdentityOf(c.ia), at_b = fronts_.IdentityOf(c.ib), at_c = fronts_.IdentityOf(c.ic);
+  const auto touches = [](const Fence& f, uint32_t u, uint32_t v) {
     return f.from == u || f.to == u || f.from == v || f.to == v;
   };
   for (const FrontEdgeId id : near_) {
     if (id == c.edge) continue;
     const Fence& f = fences_.at(id);
-    if (!c.zip_before && !touches(f, c.ia, c.ic) && CrossesFence(side_a, f)) return Verdict::kCrossesFence;
-    if (!c.zip_after && !touches(f, c.ib, c.ic) && CrossesFence(side_b, f)) return Verdict::kCrossesFence;
-    if (f.from == c.ia || f.from == c.ib || f.from == c.ic) continue;
+    if (!c.zip_before && !touches(f, at_a, at_c) && CrossesFence(side_a, f)) return Verdict::kCrossesFence;
+    if (!c.zip_after && !touches(f, at_b, at_c) && CrossesFence(side_b, f)) return Verdict::kCrossesFence;
+    if (f.from == at_a || f.from == at_b || f.from == at_c) continue;
     if (Dot(f.normal, c.normal) < kOtherSheetCosine) continue;
     const double off = std::abs(Dot(c.normal, f.start - c.a->position));
     if (off <= height && ProjectsInside(f.start, c.normal, c.b->position, c.a->position, c.c->position)) {
@@ -299,7 +322,7 @@ Verdict Proposer::CheckConnection(FrontEdgeId edge, FrontEdgeId corner, const St
   Candidate c;
   Describe(edge, corner, c);
   const Vec3 middle = 0.5 * (c.a->position + c.b->position);
-  Gather(middle, SearchRadius(edge, strictness));
+  Gather(edge, middle, SearchRadius(edge, strictness));
   return CheckAll(c, strictness);
 }
 
@@ -307,7 +330,7 @@ Verdict Proposer::ProposeConnection(FrontEdgeId edge, const Strictness& strictne
   const Vec3 a = fronts_.at(fronts_.From(edge)).position, b = fronts_.at(fronts_.To(edge)).position;
   const Vec3 middle = 0.5 * (a + b);
   const double radius = SearchRadius(edge, strictness);
-  Gather(middle, radius);
+  Gather(edge, middle, radius);
   std::vector<Candidate> candidates;
   Verdict last = Verdict::kTooLong;
   for (const FrontEdgeId corner : near_) {

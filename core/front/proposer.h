@@ -73,11 +73,13 @@ class Proposer {
   // Test 4: the sides that are new and the middle of the triangle lie within `tolerance` of the surface, on the same sheet.
   bool StandsForSurface(const SourcePoint& a, const SourcePoint& b, const SourcePoint& apex, bool new_side_a,
                         bool new_side_b, double tolerance) const;
+  // Whether the loop of an edge goes around what is open, as seen from its corners' normals. O(loop).
+  bool SurroundsOpenSide(FrontEdgeId edge) const;
   const std::array<uint64_t, kVerdicts>& counts() const { return counts_; }
 
  private:
   struct Candidate;
-  void Gather(const Vec3& center, double radius);
+  void Gather(FrontEdgeId edge, const Vec3& center, double radius);
   Verdict Judge(Verdict verdict);
   Verdict CheckNeighbours(FrontEdgeId edge, double radius_a, double radius_b) const;
   Verdict CheckFree(FrontEdgeId edge, const SourcePoint& apex, double step) const;

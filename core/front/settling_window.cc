@@ -15,6 +15,7 @@
 #include <cmath>
 #include <limits>
 
+#include "absl/container/flat_hash_map.h"
 #include "core/geometry/bvh.h"
 #include "core/geometry/intersection.h"
 #include "core/geometry/triangle.h"
@@ -234,6 +235,8 @@ bool SettlingWindow::TryRemoval(WindowVertexId id) {
     star.push_back(t);
   });
   std::reverse(ring.begin(), ring.end());
+  // What fills the ring takes the places of the star, and the sweeps after this one go by them.
+  free = free && std::all_of(star.begin(), star.end(), [&](WindowTriangleId t) { return IsAround(t); });
   free = free && ring.size() <= kMaxRing &&
          std::none_of(ring.begin(), ring.end(), [&](WindowVertexId r) { return fronts_.at(r).frozen(); });
   std::vector<WindowVertexId> sorted = ring;
@@ -422,13 +425,18 @@ bool SettlingWindow::HasSimpleStar(WindowVertexId id) const {
 std::vector<std::pair<WindowTriangleId, WindowTriangleId>> SettlingWindow::FindIntersections() const {
   std::vector<Vec3> positions(fronts_.vertex_slots());
   for (uint32_t i = 0; i < positions.size(); ++i) positions[i] = fronts_.at(WindowVertexId(i)).position;
+  // Window vertices of one joint are one vertex here: the first of them.
+  absl::flat_hash_map<uint32_t, uint32_t> first_at_joint;
+  const auto name_of = [&](WindowVertexId v) {
+    if (fronts_.at(v).joint == kNoJoint) return VertexId(v.index());
+    return VertexId(first_at_joint.try_emplace(fronts_.at(v).joint, v.index()).first->second);
+  };
   std::vector<Triangle> triangles;
   std::vector<WindowTriangleId> ids;
   for (uint32_t i = 0; i < fronts_.triangle_slots(); ++i) {
     const WindowTriangle& t = fronts_.at(WindowTriangleId(i));
     if (!t.alive) continue;
-    triangles.push_back(
-        {VertexId(t.corners[0].index()), VertexId(t.corners[1].index()), VertexId(t.corners[2].index())});
+    triangles.push_back({name_of(t.corners[0]), name_of(t.corners[1]), name_of(t.corners[2])});
     ids.push_back(WindowTriangleId(i));
   }
   const auto place = [&](const Triangle& t, int i) { return positions[t[i].index()]; };
@@ -481,6 +489,16 @@ std::vector<WindowTriangleId> SettlingWindow::Audit() {
   return faulty;
 }
 
+// The vertex's id in the output; a new one, and the vertex to `vertices`, unless it is a joint that was sent from another patch.
+VertexId SettlingWindow::NameOf(const WindowVertex& v, std::vector<OutputVertex>& vertices) {
+  Joint* const joint = v.joint == kNoJoint ? nullptr : &fronts_.joint(v.joint);
+  if (joint != nullptr && joint->emitted.valid()) return joint->emitted;
+  const VertexId name(next_output_++);
+  vertices.push_back({v.position, joint == nullptr ? v.source.normal : Normalized(joint->normal)});
+  if (joint != nullptr) joint->emitted = name;
+  return name;
+}
+
 absl::Status SettlingWindow::Emit(bool everything) {
   std::vector<WindowTriangleId> leaving;
   for (uint32_t i = 0; i < fronts_.triangle_slots(); ++i) {
@@ -497,10 +515,7 @@ absl::Status SettlingWindow::Emit(bool everything) {
     Vec3 place[3];
     for (int i = 0; i < 3; ++i) {
       WindowVertex& v = fronts_.at(t.corners[i]);
-      if (!v.emitted.valid()) {
-        v.emitted = VertexId(next_output_++);
-        vertices.push_back({v.position, v.source.normal});
-      }
+      if (!v.emitted.valid()) v.emitted = NameOf(v, vertices);
       out[i] = v.emitted;
       place[i] = v.position;
     }

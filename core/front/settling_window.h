@@ -82,6 +82,7 @@ class SettlingWindow {
                double& worst);
   std::vector<WindowTriangleId> Audit();
   bool Leaves(WindowTriangleId t) const;
+  VertexId NameOf(const WindowVertex& v, std::vector<OutputVertex>& vertices);
   double DeviationOf(const WindowTriangle& t) const;
   void FindSlivers();
   bool HasSimpleStar(WindowVertexId v) const;

@@ -56,6 +56,12 @@ struct Sources {
   absl::Span<const Vec3> positions;
   absl::Span<const Vec3> normals;
   VertexRings rings;
+  const FaceAdjacency& adjacency;
+  const LeastLengths& least;
+
+  double LeastLengthAt(uint32_t v) const {
+    return least.label.empty() ? 0 : least.of_component[least.label[FaceOfHalfEdge(adjacency.outgoing[v])]];
+  }
 };
 
 // An orthonormal frame around a unit vector.
@@ -228,8 +234,9 @@ double FitRing(const Sources& from, const RingCollector& ring, RingSamples& samp
 
 double LargestTurn(const Sources& from, uint32_t v) {
   double turn = 0;
+  const double least = from.LeastLengthAt(v);
   for (const uint32_t neighbour : from.rings.Of(v)) {
-    const double length = Distance(from.positions[v], from.positions[neighbour]);
+    const double length = std::max(least, Distance(from.positions[v], from.positions[neighbour]));
     if (length > 0) turn = std::max(turn, Distance(from.normals[v], from.normals[neighbour]) / length);
   }
   return turn;
@@ -251,7 +258,7 @@ double ResolvedCurvature(const Sources& from, uint32_t v) {
       length2 = longer;
     }
   }
-  return shortest2[kept - 1] > 0 ? 2 / std::sqrt(shortest2[kept - 1]) : 0;
+  return shortest2[kept - 1] > 0 ? 2 / std::max(std::sqrt(shortest2[kept - 1]), from.LeastLengthAt(v)) : 0;
 }
 
 double MaxCurvatureAt(const Sources& from, uint32_t v, RingCollector& ring, RingSamples& samples) {
@@ -318,9 +325,10 @@ double MaxCurvatureOfQuadratic(double a, double b, double c, double d, double e)
 }
 
 absl::StatusOr<std::vector<double>> FitMaxCurvatures(const TriangleMesh& mesh, const FaceAdjacency& adjacency,
-                                                     absl::Span<const Vec3> normals, const Context& context) {
+                                                     absl::Span<const Vec3> normals, const Context& context,
+                                                     const LeastLengths& least) {
   MESHFRONT_ASSIGN_OR_RETURN(VertexRings rings, CreateVertexRings(mesh, adjacency, context));
-  const Sources sources{WeightedSamples(mesh, normals), mesh.positions, normals, std::move(rings)};
+  const Sources sources{WeightedSamples(mesh, normals), mesh.positions, normals, std::move(rings), adjacency, least};
   std::vector<double> curvatures(mesh.positions.size());
   CollectorPool collectors(mesh.positions.size());
   MESHFRONT_RETURN_IF_ERROR(ParallelFor(curvatures.size(), kGrain, context, [&](size_t begin, size_t end) {

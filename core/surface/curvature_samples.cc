@@ -62,7 +62,7 @@ class Densifier {
     const double w = 1 - u - v;
     const uint32_t a = t[0].index(), b = t[1].index(), c = t[2].index();
     samples_.push_back({w * mesh_.positions[a] + u * mesh_.positions[b] + v * mesh_.positions[c],
-                        w * curvatures_[a] + u * curvatures_[b] + v * curvatures_[c], INFINITY});
+                        w * curvatures_[a] + u * curvatures_[b] + v * curvatures_[c], INFINITY, 0});
   }
 
   const TriangleMesh& mesh_;
@@ -72,10 +72,27 @@ class Densifier {
   size_t limit_;
 };
 
+// Over the edges that leave v along its faces.
+double MeanEdgeAt(const TriangleMesh& mesh, const FaceAdjacency& adjacency, uint32_t v) {
+  double sum = 0;
+  int count = 0;
+  const uint32_t first = adjacency.outgoing[v];
+  for (uint32_t h = first; h != kNoHalfEdge;) {
+    sum += Distance(mesh.positions[v], mesh.PositionAt(TargetOf(mesh, h)));
+    ++count;
+    h = adjacency.NextAroundOrigin(h);
+    if (h == first) break;
+  }
+  return sum / count;
+}
+
 }  // namespace
 
 absl::Status MeshSurface::ComputeCurvature(const Context& context) {
-  MESHFRONT_ASSIGN_OR_RETURN(curvatures_, FitMaxCurvatures(mesh_, adjacency_, normals_, context));
+  std::vector<double> least_lengths;
+  for (const double diagonal : whole_diagonals()) least_lengths.push_back(kLeastOfDiagonal * diagonal);
+  MESHFRONT_ASSIGN_OR_RETURN(
+      curvatures_, FitMaxCurvatures(mesh_, adjacency_, normals_, context, {least_lengths, components_.label}));
   has_curvature_ = true;
   return absl::OkStatus();
 }
@@ -88,7 +105,7 @@ absl::StatusOr<std::vector<double>> MeshSurface::SheetDistances(
   for (size_t v = 0; v < limits.size(); ++v) {
     limits[v] = std::min(kThicknessOfLength * ideal_length(curvatures_[v]), longest);
   }
-  return MeasureSheetDistances(mesh_, adjacency_, normals_, limits, context);
+  return MeasureSheetDistances(mesh_, adjacency_, normals_, limits, context, {whole_opposite_, originals_});
 }
 
 absl::StatusOr<std::vector<CurvatureSample>> MeshSurface::CurvatureSamples(
@@ -110,7 +127,9 @@ absl::StatusOr<std::vector<CurvatureSample>> MeshSurface::CurvatureSamples(
   samples.reserve(mesh_.positions.size());
   for (size_t v = 0; v < mesh_.positions.size(); ++v) {
     if (adjacency_.outgoing[v] == kNoHalfEdge) continue;
-    samples.push_back({mesh_.positions[v], curvatures_[v], sheet_distances.empty() ? INFINITY : sheet_distances[v]});
+    const double distance = sheet_distances.empty() ? INFINITY : sheet_distances[v];
+    const double edge = std::isfinite(distance) ? MeanEdgeAt(mesh_, adjacency_, static_cast<uint32_t>(v)) : 0;
+    samples.push_back({mesh_.positions[v], curvatures_[v], distance, edge});
   }
   Densifier densifier(mesh_, curvatures_, ideal_lengths, samples);
   for (uint32_t f = 0; f < mesh_.triangles.size(); ++f) {

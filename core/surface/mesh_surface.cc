@@ -8,7 +8,9 @@
 #include "core/base/status_macros.h"
 #include "core/geometry/intersection.h"
 #include "core/geometry/triangle.h"
+#include "core/mesh/union_find.h"
 #include "core/surface/apex_search.h"
+#include "core/surface/crease_cut.h"
 #include "core/surface/tolerances.h"
 #include "core/surface/vertex_normals.h"
 
@@ -61,6 +63,35 @@ absl::StatusOr<std::unique_ptr<MeshSurface>> MeshSurface::Create(TriangleMesh me
   return surface;
 }
 
+absl::StatusOr<std::unique_ptr<MeshSurface>> MeshSurface::Create(TriangleMesh mesh, FaceAdjacency adjacency,
+                                                                 const std::vector<bool>& creases,
+                                                                 const Context& context) {
+  if (std::find(creases.begin(), creases.end(), true) == creases.end())
+    return Create(std::move(mesh), std::move(adjacency), context);
+  MESHFRONT_RETURN_IF_ERROR(ValidateMesh(mesh));
+  CreaseCut cut = CutAlongCreases(std::move(mesh), std::move(adjacency), creases);
+  MESHFRONT_ASSIGN_OR_RETURN(auto surface, Create(std::move(cut.mesh), std::move(cut.adjacency), context));
+  surface->originals_ = std::move(cut.original);
+  surface->whole_opposite_ = std::move(cut.opposite);
+  surface->MeasureWholeComponents();
+  return surface;
+}
+
+void MeshSurface::MeasureWholeComponents() {
+  UnionFind patches(component_count());
+  for (uint32_t h = 0; h < 3 * mesh_.triangles.size(); ++h) {
+    const uint32_t across = AcrossCrease(h);
+    if (across != kNoHalfEdge) patches.Unite(components_.label[h / 3], components_.label[across / 3]);
+  }
+  std::vector<Box3> boxes(component_count());
+  for (size_t f = 0; f < mesh_.triangles.size(); ++f) {
+    Box3& box = boxes[patches.Find(components_.label[f])];
+    for (const VertexId v : mesh_.triangles[f]) box.Extend(mesh_.PositionAt(v));
+  }
+  for (uint32_t patch = 0; patch < component_count(); ++patch)
+    whole_diagonals_.push_back(boxes[patches.Find(patch)].Diagonal());
+}
+
 MeshSurface::MeshSurface(TriangleMesh mesh, FaceAdjacency adjacency)
     : mesh_(std::move(mesh)),
       adjacency_(std::move(adjacency)),
@@ -68,6 +99,11 @@ MeshSurface::MeshSurface(TriangleMesh mesh, FaceAdjacency adjacency)
       curvatures_(mesh_.positions.size(), 0.0),
       components_(LabelComponents(adjacency_)),
       component_has_boundary_(components_.count, false) {
+  std::vector<Box3> boxes(components_.count);
+  for (size_t f = 0; f < mesh_.triangles.size(); ++f) {
+    for (const VertexId v : mesh_.triangles[f]) boxes[components_.label[f]].Extend(mesh_.PositionAt(v));
+  }
+  for (const Box3& box : boxes) component_diagonals_.push_back(box.Diagonal());
   for (size_t f = 0; f < adjacency_.opposite.size(); ++f) {
     for (const uint32_t across : adjacency_.opposite[f]) {
       if (across == kNoHalfEdge) component_has_boundary_[components_.label[f]] = true;
@@ -104,12 +140,6 @@ SourcePoint MeshSurface::AtFace(FaceId face, double u, double v) const {
 }
 
 std::vector<SourcePoint> MeshSurface::Seeds(bool all) const {
-  std::vector<Box3> boxes(component_count());
-  for (size_t f = 0; f < mesh_.triangles.size(); ++f) {
-    for (const VertexId v : mesh_.triangles[f]) boxes[components_.label[f]].Extend(mesh_.PositionAt(v));
-  }
-  std::vector<double> diagonals;
-  for (const Box3& box : boxes) diagonals.push_back(box.Diagonal());
   // Well shaped counts, and flat against the size of the component.
   std::vector<std::pair<double, uint32_t>> best(component_count(), {-1, 0});
   for (uint32_t f = 0; f < mesh_.triangles.size(); ++f) {
@@ -117,7 +147,7 @@ std::vector<SourcePoint> MeshSurface::Seeds(bool all) const {
     double curvature = 0;
     for (const VertexId v : t) curvature = std::max(curvature, curvatures_[v.index()]);
     const uint32_t component = components_.label[f];
-    const double against = 1 + kSeedFlatness * diagonals[component] * curvature;
+    const double against = 1 + kSeedFlatness * component_diagonals_[component] * curvature;
     if (best[component].first * against > 1) continue;  // no shape is better than 1
     const double shape = RadiusRatio(mesh_.PositionAt(t[0]), mesh_.PositionAt(t[1]), mesh_.PositionAt(t[2]));
     const double score = shape / against;
@@ -164,11 +194,15 @@ bool MeshSurface::MeetsItselfNear(const Vec3& place, double radius) const {
     return near.size() < kMaxFacesNearAPlace;
   });
   const auto corner = [this](FaceId f, int i) { return mesh_.PositionAt(mesh_.triangles[f.index()][i]); };
+  const auto whole = [this](FaceId f) {
+    const Triangle& t = mesh_.triangles[f.index()];
+    return Triangle{VertexId(OriginalOf(t[0])), VertexId(OriginalOf(t[1])), VertexId(OriginalOf(t[2]))};
+  };
   for (size_t i = 0; i < near.size(); ++i) {
     const Vec3 a[3] = {corner(near[i], 0), corner(near[i], 1), corner(near[i], 2)};
     for (size_t j = 0; j < i; ++j) {
       const Vec3 b[3] = {corner(near[j], 0), corner(near[j], 1), corner(near[j], 2)};
-      const SharedCorners shared = SharedCornersOf(mesh_.triangles[near[i].index()], mesh_.triangles[near[j].index()]);
+      const SharedCorners shared = SharedCornersOf(whole(near[i]), whole(near[j]));
       if (TrianglesIntersect(a, b, shared)) return true;
     }
   }

@@ -2,6 +2,7 @@
 // connected faces, never by searching space.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -26,8 +27,13 @@ struct CurvatureSample {
   Vec3 position;
   double max_curvature = 0;  // 1/length, ≥ 0
   double sheet_distance =
-      0;  // to the nearest other sheet (sheet_distance.h) within the search limit; +infinity when none
+      0;                  // to the nearest other sheet (sheet_distance.h) within the search limit; +infinity when none
+  double input_edge = 0;  // mean length of the input's edges there, where there is another sheet
 };
+
+// What happens within this part of a component's diagonal is taken to happen over that length: steps and doubled rows of vertices
+// that nobody sees would otherwise ask for edges as short as they are.
+inline constexpr double kLeastOfDiagonal = 2e-4;
 
 // Immutable after ComputeCurvature; safe to read from many threads; deterministic at any thread count. Memory: the mesh, its
 // adjacency (about 16 bytes a face), 24 bytes of normal and 8 of curvature a vertex.
@@ -44,6 +50,10 @@ class MeshSurface final : public Surface {
   // With the mesh's adjacency where it is known.
   static absl::StatusOr<std::unique_ptr<MeshSurface>> Create(TriangleMesh mesh, std::optional<FaceAdjacency> adjacency,
                                                              const Context& context);
+  // Cut open along creases (crease_cut.h): what follows is of the cut mesh, whose components are the smooth patches. No flag set:
+  // as above.
+  static absl::StatusOr<std::unique_ptr<MeshSurface>> Create(TriangleMesh mesh, FaceAdjacency adjacency,
+                                                             const std::vector<bool>& creases, const Context& context);
 
   // Fits the curvature of every vertex (curvature_fit.h), on the context's threads. To be called once, before anything that
   // tells a curvature: until then all are 0. Below 1 µs a vertex and core.
@@ -58,8 +68,22 @@ class MeshSurface final : public Surface {
   SourcePoint AtVertex(VertexId v) const;
   SourcePoint AtFace(FaceId face, double u, double v) const;
 
+  // What the cut made two of: the half-edge across a crease, or kNoHalfEdge where the surface ends or goes on smoothly; and the
+  // vertex of the mesh before the cut.
+  uint32_t AcrossCrease(uint32_t half_edge) const {
+    if (!is_cut() || adjacency_.OppositeOf(half_edge) != kNoHalfEdge) return kNoHalfEdge;
+    return whole_opposite_[half_edge / 3][half_edge % 3];
+  }
+  uint32_t OriginalOf(VertexId v) const { return is_cut() ? originals_[v.index()] : v.index(); }
+  bool is_cut() const { return !originals_.empty(); }
+
   size_t component_count() const { return components_.count; }
   uint32_t ComponentOf(FaceId face) const { return components_.label[face.index()]; }
+  absl::Span<const double> component_diagonals() const { return component_diagonals_; }  // of their boxes
+  // … and for each component that of the one which it was a part of before the cut.
+  absl::Span<const double> whole_diagonals() const {
+    return whole_diagonals_.empty() ? component_diagonals_ : whole_diagonals_;
+  }
   bool ComponentHasBoundary(uint32_t component) const { return component_has_boundary_[component]; }
   // A good place to begin at, for each component without boundary (or, with `all`, for each), in the order of components: the
   // centroid of a well-shaped face where the surface is flat for its size.
@@ -86,21 +110,26 @@ class MeshSurface final : public Surface {
   // Interpolated linearly between the face's corners; the field, not this, is what keeps edges short at peaks.
   double MaxCurvatureAt(const SourcePoint& p) const override;
   bool IsOnBoundary(const SourcePoint& p) const override;
+  uint32_t SheetOf(const SourcePoint& p) const override { return components_.label[FaceOf(p)]; }
   // Builds a tree over the faces at the first call; then O(faces near the place, squared).
   bool MeetsItselfNear(const Vec3& place, double radius) const override;
 
  private:
   MeshSurface(TriangleMesh mesh, FaceAdjacency adjacency);
   FaceView View() const;
+  void MeasureWholeComponents();
   SourcePoint Place(const FaceHit& hit) const;
   uint32_t FaceOf(const SourcePoint& p) const { return p.patch < mesh_.triangles.size() ? p.patch : 0; }
 
   TriangleMesh mesh_;
   FaceAdjacency adjacency_;
+  std::vector<uint32_t> originals_;  // as in CreaseCut; empty when nothing was cut, as the next
+  std::vector<std::array<uint32_t, 3>> whole_opposite_;
   std::vector<Vec3> normals_;
   std::vector<double> curvatures_;
   FaceComponents components_;
   std::vector<bool> component_has_boundary_;
+  std::vector<double> component_diagonals_, whole_diagonals_;  // the latter empty when nothing was cut
   bool has_curvature_ = false;
   mutable std::once_flag tree_once_;
   mutable std::unique_ptr<TriangleBvh> tree_;

@@ -36,7 +36,10 @@ struct Sheets {
   const FaceAdjacency& adjacency;
   absl::Span<const Vec3> normals;
   const Suspects& suspects;
-  const TriangleBvh& bvh;  // over the suspects
+  const TriangleBvh& bvh;                // over the suspects
+  absl::Span<const uint32_t> originals;  // of the vertices before a cut; empty: they are
+
+  uint32_t OriginalOf(uint32_t v) const { return originals.empty() ? v : originals[v]; }
 };
 
 // A ray from a vertex: 0 along minus its normal, 1 along its normal.
@@ -52,9 +55,11 @@ double MeanOf(absl::Span<const double> limits) {
 
 std::optional<SegmentHit> FindOpposedHit(const Sheets& sheets, uint32_t v, const Vec3& direction, double limit) {
   const Vec3& normal = sheets.normals[v];
+  const uint32_t start = sheets.OriginalOf(v);
   auto hit = sheets.bvh.FindFirstHit(sheets.mesh.positions[v], direction, 0, limit, [&](FaceId face) {
     const Triangle& t = sheets.suspects.triangles[face.index()];
-    if (t[0].index() == v || t[1].index() == v || t[2].index() == v) return false;
+    const auto is_start = [&](VertexId u) { return sheets.OriginalOf(u.index()) == start; };
+    if (is_start(t[0]) || is_start(t[1]) || is_start(t[2])) return false;
     const Vec3* const p = sheets.mesh.positions;
     const Vec3 area = AreaVector(p[t[0].index()], p[t[1].index()], p[t[2].index()]);
     const double along = Dot(area, normal);
@@ -141,8 +146,10 @@ Suspects CollectSuspects(const TriangleMesh& mesh, absl::Span<const Vec3> normal
 
 absl::StatusOr<std::vector<double>> MeasureSheetDistances(const TriangleMesh& mesh, const FaceAdjacency& adjacency,
                                                           absl::Span<const Vec3> normals,
-                                                          absl::Span<const double> limits, const Context& context) {
-  const FaceView view{mesh.positions.data(), mesh.triangles.data(), adjacency.opposite.data()->data(),
+                                                          absl::Span<const double> limits, const Context& context,
+                                                          const UncutMesh& uncut) {
+  const auto* const opposite = uncut.opposite.empty() ? adjacency.opposite.data() : uncut.opposite.data();
+  const FaceView view{mesh.positions.data(), mesh.triangles.data(), opposite->data(),
                       static_cast<uint32_t>(mesh.triangles.size())};
   const std::vector<uint8_t> is_probe = ChooseProbes(mesh, adjacency, limits);
   std::vector<Rays> rays(mesh.positions.size(), 0);
@@ -158,7 +165,7 @@ absl::StatusOr<std::vector<double>> MeasureSheetDistances(const TriangleMesh& me
     suspects = CollectSuspects(mesh, normals, limits, rays, grid);
   }
   const TriangleBvh bvh(mesh.positions, suspects.triangles);
-  const Sheets sheets{view, adjacency, normals, suspects, bvh};
+  const Sheets sheets{view, adjacency, normals, suspects, bvh, uncut.originals};
   std::vector<double> distances(mesh.positions.size(), INFINITY);
   MESHFRONT_RETURN_IF_ERROR(ParallelFor(distances.size(), kGrain, context, [&](size_t begin, size_t end) {
     FaceQueue queue;

@@ -42,6 +42,13 @@ class Surface {
   // True when p lies on the rim of an open surface (within rounding).
   virtual bool IsOnBoundary(const SourcePoint& p) const = 0;
 
+  // Which of the surface's sheets p lies on: patches between creases are sheets of their own, whose meshes meet in the creases
+  // only and need not be kept apart elsewhere.
+  virtual uint32_t SheetOf(const SourcePoint& p) const {
+    static_cast<void>(p);
+    return 0;
+  }
+
   // Whether the surface itself passes through or touches itself within `radius` of a place: there a mesh of it may do the same.
   // Asked rarely. Surfaces that can't tell say no.
   virtual bool MeetsItselfNear(const Vec3& place, double radius) const {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status_macros.h"
@@ -36,7 +37,6 @@ absl::Status RefuseNotYet(const v1::RemeshOptions& o) {
   if (o.attributes() == v1::ATTRIBUTE_POLICY_KEEP) return NotYet("options.attributes ATTRIBUTE_POLICY_KEEP");
   if (o.surface() == v1::SURFACE_TYPE_MLS) return NotYet("options.surface SURFACE_TYPE_MLS");
   if (o.surface() == v1::SURFACE_TYPE_IMLS) return NotYet("options.surface SURFACE_TYPE_IMLS");
-  if (o.has_crease() && o.crease().has_angle_degrees()) return NotYet("options.crease.angle_degrees");
   return absl::OkStatus();
 }
 
@@ -131,6 +131,14 @@ absl::StatusOr<Length> LengthFromProto(const v1::Length& proto, absl::string_vie
   return length;
 }
 
+absl::StatusOr<std::optional<double>> CreaseFromProto(const v1::Crease& proto) {
+  if (proto.off()) return std::nullopt;
+  const double angle = proto.angle_degrees();
+  if (angle > 0 && angle < 180) return angle;
+  return absl::InvalidArgumentError(
+      absl::StrCat("options.crease.angle_degrees is ", angle, "; it must be in (0, 180)"));
+}
+
 absl::StatusOr<RemeshOptions> ToCore(const v1::RemeshOptions& proto) {
   RemeshOptions o;
   if (proto.has_rho()) o.rho = proto.rho();
@@ -148,6 +156,9 @@ absl::StatusOr<RemeshOptions> ToCore(const v1::RemeshOptions& proto) {
   }
   if (proto.has_max_edge()) {
     MESHFRONT_ASSIGN_OR_RETURN(o.max_edge, LengthFromProto(proto.max_edge(), "options.max_edge"));
+  }
+  if (proto.has_crease()) {
+    MESHFRONT_ASSIGN_OR_RETURN(o.crease_angle, CreaseFromProto(proto.crease()));
   }
   if (proto.has_flips()) o.flips = proto.flips();
   if (proto.has_smooth()) o.smooth = proto.smooth();
@@ -177,7 +188,10 @@ v1::RemeshOptions OptionsToProto(const RemeshOptions& o) {
   if (o.target_triangles) proto.set_target_triangles(*o.target_triangles);
   if (o.min_edge) *proto.mutable_min_edge() = LengthToProto(*o.min_edge);
   if (o.max_edge) *proto.mutable_max_edge() = LengthToProto(*o.max_edge);
-  proto.mutable_crease()->set_off(true);
+  if (o.crease_angle)
+    proto.mutable_crease()->set_angle_degrees(*o.crease_angle);
+  else
+    proto.mutable_crease()->set_off(true);
   proto.set_attributes(v1::ATTRIBUTE_POLICY_DROP);
   proto.set_surface(v1::SURFACE_TYPE_AUTO);
   proto.set_flips(o.flips);

@@ -64,13 +64,26 @@ TEST(OptionsFromProto, KeepsAnExplicitFalseApartFromUnset) {
   EXPECT_TRUE(options->smooth);
 }
 
+TEST(OptionsFromProto, KeepsCreasesFromFortyDegreesOnUnlessToldOtherwise) {
+  v1::RemeshOptions proto;
+  EXPECT_EQ(OptionsFromProto(proto)->crease_angle, 40);
+  proto.mutable_crease()->set_angle_degrees(25);
+  EXPECT_EQ(OptionsFromProto(proto)->crease_angle, 25);
+  EXPECT_EQ(OptionsToProto(*OptionsFromProto(proto)).crease().angle_degrees(), 25);
+  proto.mutable_crease()->set_off(true);
+  EXPECT_EQ(OptionsFromProto(proto)->crease_angle, std::nullopt);
+  EXPECT_TRUE(OptionsToProto(*OptionsFromProto(proto)).crease().off());
+  proto.mutable_crease()->set_angle_degrees(180);
+  EXPECT_THAT(std::string(OptionsFromProto(proto).status().message()),
+              HasSubstr("options.crease.angle_degrees is 180; it must be in (0, 180)"));
+}
+
 TEST(OptionsFromProto, RefusesWhatIsNotBuiltYetByItsPath) {
-  std::vector<v1::RemeshOptions> cases(5);
+  std::vector<v1::RemeshOptions> cases(4);
   cases[0].mutable_region()->mutable_sphere()->set_radius(1);
   cases[1].mutable_features()->set_point_count(1);
-  cases[2].mutable_crease()->set_angle_degrees(40);
-  cases[3].set_surface(v1::SURFACE_TYPE_IMLS);
-  cases[4].set_attributes(v1::ATTRIBUTE_POLICY_KEEP);
+  cases[2].set_surface(v1::SURFACE_TYPE_IMLS);
+  cases[3].set_attributes(v1::ATTRIBUTE_POLICY_KEEP);
   for (const v1::RemeshOptions& proto : cases) {
     const absl::Status status = OptionsFromProto(proto).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << proto.DebugString();

@@ -19,32 +19,32 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 // A circle around the origin; every second vertex moved outward by `zigzag`.
-ClosedCurve Circle(int n, double radius = 1, double zigzag = 0) {
+Curve Circle(int n, double radius = 1, double zigzag = 0) {
   std::vector<Vec3> points;
   for (int i = 0; i < n; ++i) {
     const double angle = 2 * std::numbers::pi * i / n, r = radius + (i % 2) * zigzag;
     points.push_back({r * std::cos(angle), r * std::sin(angle), 0});
   }
-  return ClosedCurve(points);
+  return Curve(points);
 }
 
 // The square [0, side]², n edges a side, counter-clockwise from the origin: corners at 0, n, 2n, 3n.
-ClosedCurve Square(int n, double side = 1) {
+Curve Square(int n, double side = 1) {
   const Vec3 corners[4] = {{0, 0, 0}, {side, 0, 0}, {side, side, 0}, {0, side, 0}};
   std::vector<Vec3> points;
   for (int c = 0; c < 4; ++c) {
     for (int i = 0; i < n; ++i) points.push_back(Lerp(corners[c], corners[(c + 1) % 4], static_cast<double>(i) / n));
   }
-  return ClosedCurve(points);
+  return Curve(points);
 }
 
-std::vector<CurvePoint> Resample(const ClosedCurve& curve, LengthField field) {
+std::vector<CurvePoint> Resample(const Curve& curve, LengthField field) {
   auto points = ResampleCurve(curve, field, {});
   EXPECT_TRUE(points.ok()) << points.status();
   return *std::move(points);
 }
 
-std::vector<double> ChordsOf(const ClosedCurve& curve, const std::vector<CurvePoint>& points) {
+std::vector<double> ChordsOf(const Curve& curve, const std::vector<CurvePoint>& points) {
   std::vector<double> chords;
   for (size_t i = 0; i < points.size(); ++i) {
     chords.push_back(Distance(curve.At(points[i]), curve.At(points[(i + 1) % points.size()])));
@@ -53,7 +53,7 @@ std::vector<double> ChordsOf(const ClosedCurve& curve, const std::vector<CurvePo
 }
 
 // In the order of the curve, once around, no two the same.
-bool RunsOnceAround(const ClosedCurve& curve, const std::vector<CurvePoint>& points) {
+bool RunsOnceAround(const Curve& curve, const std::vector<CurvePoint>& points) {
   double covered = 0;
   for (size_t i = 0; i < points.size(); ++i) {
     double step = curve.ArcAt(points[(i + 1) % points.size()]) - curve.ArcAt(points[i]);
@@ -64,7 +64,7 @@ bool RunsOnceAround(const ClosedCurve& curve, const std::vector<CurvePoint>& poi
 }
 
 TEST(Curve, FindsThePlaceAtAnArcLengthAndBack) {
-  const ClosedCurve square = Square(4);
+  const Curve square = Square(4);
   EXPECT_EQ(square.length(), 4);
   EXPECT_EQ(square.At(square.PointAtArc(1.125)), (Vec3{1, 0.125, 0}));
   EXPECT_EQ(square.PointAtArc(4.5).segment, 18);  // once around, and two edges
@@ -84,7 +84,7 @@ TEST(CurveCorners, AreNotFoundOnACircleOrAZigzag) {
 }
 
 TEST(CurveResampling, SpacesACircleEvenly) {
-  const ClosedCurve circle = Circle(1000);
+  const Curve circle = Circle(1000);
   const auto points = Resample(circle, [](const Vec3&) { return 0.1; });
   EXPECT_NEAR(points.size(), 63, 1);
   for (double chord : ChordsOf(circle, points)) EXPECT_NEAR(chord, 0.1, 0.001);
@@ -93,7 +93,7 @@ TEST(CurveResampling, SpacesACircleEvenly) {
 
 TEST(CurveResampling, FollowsAGradedField) {
   // From 0.02 at (1, 0) to 0.02 + 2/6 at (−1, 0).
-  const ClosedCurve circle = Circle(1000);
+  const Curve circle = Circle(1000);
   auto field = [](const Vec3& x) { return 0.02 + Distance(x, {1, 0, 0}) / 6; };
   const auto points = Resample(circle, field);
   const auto chords = ChordsOf(circle, points);
@@ -106,13 +106,13 @@ TEST(CurveResampling, FollowsAGradedField) {
 
 TEST(CurveResampling, TakesChordsNotArcsOnAZigzag) {
   // The arc is 1.8 times as long as the way around.
-  const ClosedCurve circle = Circle(400, 1, 0.025);
+  const Curve circle = Circle(400, 1, 0.025);
   const auto chords = ChordsOf(circle, Resample(circle, [](const Vec3&) { return 0.2; }));
   EXPECT_THAT(chords, Each(::testing::AllOf(::testing::Gt(0.15), ::testing::Lt(0.26))));
 }
 
 TEST(CurveResampling, KeepsCornersExactlyAndDividesSidesEvenly) {
-  const ClosedCurve square = Square(7);
+  const Curve square = Square(7);
   const auto points = Resample(square, [](const Vec3&) { return 0.21; });
   ASSERT_EQ(points.size(), 20);
   for (uint32_t corner : {0, 7, 14, 21}) EXPECT_THAT(points, ::testing::Contains(CurvePoint{corner, 0}));
@@ -120,7 +120,7 @@ TEST(CurveResampling, KeepsCornersExactlyAndDividesSidesEvenly) {
 }
 
 TEST(CurveResampling, GivesThreeSpanningVerticesOfATinyCurve) {
-  for (const ClosedCurve& curve : {Circle(3), Circle(4), Circle(50), Square(10)}) {
+  for (const Curve& curve : {Circle(3), Circle(4), Circle(50), Square(10)}) {
     const auto points = Resample(curve, [](const Vec3&) { return 1e3; });
     ASSERT_GE(points.size(), 3);
     EXPECT_TRUE(RunsOnceAround(curve, points));
@@ -137,7 +137,7 @@ TEST(CurveResampling, FollowsHairpinsThatTheFieldWouldStepAcross) {
   }
   points.push_back({1.8, -1, 0});
   points.push_back({0, -1, 0});
-  const ClosedCurve comb(points);
+  const Curve comb(points);
   const auto resampled = Resample(comb, [](const Vec3&) { return 0.5; });
   EXPECT_TRUE(RunsOnceAround(comb, resampled));
   double farthest = 0;
@@ -160,7 +160,7 @@ TEST(CurveResampling, EndsOnCurvesWithRepeatedPlaces) {
                                               {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {1, 0, 0}}};
   for (const auto& vertices : curves) {
     for (double g : {0.1, 1.0, 100.0}) {
-      const ClosedCurve curve(vertices);
+      const Curve curve(vertices);
       EXPECT_GE(Resample(curve, [=](const Vec3&) { return g; }).size(), 3);
     }
   }
@@ -175,7 +175,7 @@ TEST(CurveResampling, KeepsRandomCurvesInOrderAndDistinct) {
       const double x = unit(random), y = unit(random), z = unit(random);
       vertices.push_back({x, y, z});
     }
-    const ClosedCurve curve(vertices);
+    const Curve curve(vertices);
     const double g = std::pow(10, -2 + 0.01 * run);
     const auto points = Resample(curve, [=](const Vec3& x) { return g * (1 + 0.1 * x.x); });
     ASSERT_GE(points.size(), 3);
@@ -211,13 +211,13 @@ TEST(CurveCurvature, IsZeroOnASquareEvenAtItsCorners) {
 
 TEST(CurveCurvature, IsBoundedByTheEdgesOnNoise) {
   // Every vertex a spike: at most 2 / edge.
-  const ClosedCurve star = Circle(20, 1, 3);
+  const Curve star = Circle(20, 1, 3);
   for (double curvature : CurveCurvatures(star)) EXPECT_LE(curvature, 2 / 3.0);
   // A zig-zag of a third of an edge reports its circle within a factor, not the zig-zag (whose turns have κ ≈ 20).
   for (double curvature : CurveCurvatures(Circle(100, 1, 0.02))) EXPECT_LT(curvature, 6);
 }
 
-std::vector<double> ChordsFor(const ClosedCurve& curve, double rho) {
+std::vector<double> ChordsFor(const Curve& curve, double rho) {
   const std::vector<double> longest(curve.size(), curve.length() / 4);
   return *LongestChords(curve, longest, [=](double curvature) { return 2 * std::sin(rho / 2) / curvature; }, {});
 }
@@ -243,7 +243,7 @@ TEST(CurveSagitta, SeesBumpsNarrowerThanAnEdge) {
     const double angle = 2 * std::numbers::pi * i / 400, r = 1 + 0.05 * std::sin(20 * angle);
     points.push_back({r * std::cos(angle), r * std::sin(angle), 0});
   }
-  const auto chords = ChordsFor(ClosedCurve(points), 0.8);
+  const auto chords = ChordsFor(Curve(points), 0.8);
   for (int i = 0; i < 400; i += 20) EXPECT_LT(*std::min_element(&chords[i], &chords[i] + 20), 0.1);
 }
 

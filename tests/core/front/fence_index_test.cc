@@ -17,7 +17,7 @@ namespace {
 constexpr Vec3 kUp{0, 0, 1};
 
 Fence FenceOf(const Vec3& start, const Vec3& end, double half_height = 0.1, const Vec3& normal = kUp) {
-  return {FrontEdgeId(), WindowVertexId(), WindowVertexId(), start, end, normal, half_height};
+  return {FrontEdgeId(), 0, 1, 0, start, end, normal, half_height};
 }
 NewEdge EdgeOf(const Vec3& start, const Vec3& end, double half_height = 0.1, const Vec3& normal = kUp) {
   return {start, end, normal, half_height};
@@ -138,8 +138,8 @@ TEST(FenceIndex, KnowsAFencesGeometry) {
   FenceIndex index(fronts);
   index.Insert(e);
   const Fence& fence = index.at(e);
-  EXPECT_EQ(fence.from, a);
-  EXPECT_EQ(fence.to, b);
+  EXPECT_EQ(fence.from, fronts.IdentityOf(a));
+  EXPECT_EQ(fence.to, fronts.IdentityOf(b));
   EXPECT_NEAR(Distance(fence.normal, Normalized(Vec3{1, 0, 1})), 0, 1e-15);
   EXPECT_DOUBLE_EQ(fence.half_height, FenceHalfHeight(2, 0.5)) << "the greater curvature counts";
 }

@@ -1,0 +1,19 @@
+// Which edges of a mesh are creases (sec. 3.3): where the surface turns sharply, along lines that lead somewhere.
+#pragma once
+
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/base/context.h"
+#include "core/mesh/adjacency.h"
+#include "core/mesh/triangle_mesh.h"
+
+namespace meshfront {
+
+// One flag per half-edge, set on both halves of a crease. Creases turn by more than `angle` (radians, in (0, π)); gaps of a few
+// edges that turn by somewhat less are bridged; lines that end inside a smooth patch, and specks of a few faces, as noise makes
+// them, are left out. Needs an oriented manifold. Stops with the context. O(n), about 50 ns a triangle.
+absl::StatusOr<std::vector<bool>> FindCreases(const TriangleMesh& mesh, const FaceAdjacency& adjacency, double angle,
+                                              const Context& context);
+
+}  // namespace meshfront
