@@ -46,6 +46,8 @@ using namespace front_tolerances;
 
 constexpr double kCoarsestPerFinest =
     0.5;  // an area opens at an edge that no edge in its reach is shorter than by this factor
+constexpr double kFocusPerArea = 1.4;  // what the edges of an area look at reaches so far, in radii of the area
+constexpr size_t kWorthAFocus = 6;     // edges to search a connection for
 constexpr double kGoodEar =
     0.45;  // pseudo-angle (ClockwiseTurn) of 39°: an edge whose ear is this good is not searched at once
 constexpr int kStepsBetweenChecks = 64;    // of the stop flag and the clock: well under a millisecond
@@ -340,6 +342,7 @@ FrontEdgeId AdvancingFront::FinestAround(FrontEdgeId edge) {
 
 // The working area moves to the first of the waiting edges, and takes in every edge around it.
 bool AdvancingFront::OpenArea() {
+  fences_.EndFocus();
   while (!waiting_.empty()) {
     const EdgeRef ref = waiting_.top().ref;
     waiting_.pop();
@@ -351,15 +354,18 @@ bool AdvancingFront::OpenArea() {
     if (finest != ref.edge && !InArea(ref.edge)) Wait(ref);
     scratch_.clear();
     fences_.Query(area_center_, area_radius_, scratch_);
+    size_t to_do = 0;
     for (const FrontEdgeId e : scratch_) {
       EdgeState& state = StateOf(e);
       if (!InArea(e) || state.abandoned || state.stuck) continue;
       state.in_area = true;
+      to_do += state.stage == AgendaStage::kFree ? kWorthAFocus : 1;
       if (state.stage == AgendaStage::kFree)
         Schedule(e, AgendaStage::kFree, proposer_.FreeRatio(e));
       else
         Schedule(e, AgendaStage::kSearch, 0);
     }
+    if (to_do >= kWorthAFocus) fences_.Focus(area_center_, kFocusPerArea * area_radius_, f.normal);
     return true;
   }
   return false;
@@ -379,7 +385,7 @@ absl::Status AdvancingFront::AdvanceArea() {
 }
 
 void AdvancingFront::Step(const Agenda::Entry& entry) {
-  switch (entry.stage) {
+  switch (entry.stage()) {
     case AgendaStage::kFree:
       if (!TryFree(entry.edge)) Schedule(entry.edge, AgendaStage::kSearch, 0);
       break;
@@ -425,8 +431,10 @@ void AdvancingFront::Strand(FrontEdgeId edge) {
 
 // An edge with a good ear needs no search yet: most of them are taken by a neighbour's connection before their turn comes.
 void AdvancingFront::SearchConnection(FrontEdgeId edge) {
-  const ConnectionProposal ear = proposer_.ProposeEar(edge, kStrictness[0]);
-  if (strictness_ == 0 && ear.score >= kGoodEar) return PlanConnection(edge, ear, true);
+  if (strictness_ == 0) {
+    const ConnectionProposal ear = proposer_.ProposeEar(edge, kStrictness[0]);
+    if (ear.score >= kGoodEar) return PlanConnection(edge, ear, true);
+  }
   ConnectionProposal proposal;
   if (proposer_.ProposeConnection(edge, kStrictness[strictness_], proposal) == Verdict::kAccepted)
     PlanConnection(edge, proposal, false);

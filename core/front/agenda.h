@@ -2,6 +2,8 @@
 // class, ties by birth: the order is a function of the input and the parameters alone.
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <queue>
 #include <vector>
@@ -20,15 +22,16 @@ enum class AgendaStage : uint8_t {
 class Agenda {
  public:
   struct Entry {
-    AgendaStage stage;
-    float ratio;  // greater is better
-    uint32_t birth;
+    uint64_t rank;  // greater is better: stage, ratio, birth in one number
     FrontEdgeId edge;
     uint32_t ticket;
+
+    AgendaStage stage() const { return static_cast<AgendaStage>(3 - (rank >> 62)); }
   };
 
+  // `ratio` in [0, 2): greater is better.
   void Push(AgendaStage stage, double ratio, uint32_t birth, FrontEdgeId edge) {
-    heap_.push({stage, static_cast<float>(ratio), birth, edge, ++TicketOf(edge)});
+    heap_.push({RankOf(stage, static_cast<float>(ratio), birth), edge, ++TicketOf(edge)});
   }
   // Forgets what is on the agenda for the edge: it is gone, or left the working area.
   void Cancel(FrontEdgeId edge) { ++TicketOf(edge); }
@@ -44,12 +47,13 @@ class Agenda {
 
  private:
   struct Later {
-    bool operator()(const Entry& a, const Entry& b) const {
-      if (a.stage != b.stage) return a.stage > b.stage;
-      if (a.ratio != b.ratio) return a.ratio < b.ratio;
-      return a.birth > b.birth;
-    }
+    bool operator()(const Entry& a, const Entry& b) const { return a.rank < b.rank; }
   };
+  // Floats that are not negative are ordered as their bits are; below 2 they need 30 of them.
+  static uint64_t RankOf(AgendaStage stage, float ratio, uint32_t birth) {
+    const uint64_t ratio_bits = ratio > 0 ? std::min(std::bit_cast<uint32_t>(ratio), 0x3fffffffu) : 0;
+    return (3 - static_cast<uint64_t>(stage)) << 62 | ratio_bits << 32 | (0xffffffffu - birth);
+  }
   uint32_t& TicketOf(FrontEdgeId edge) {
     if (tickets_.size() <= edge.index()) tickets_.resize(2 * edge.index() + 16, 0);
     return tickets_[edge.index()];

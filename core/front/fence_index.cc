@@ -15,6 +15,8 @@ using namespace front_tolerances;
 constexpr double kCellPerLevel = 8.0;  // cell size in multiples of 2^level; coarse cells win (few empty look-ups)
 constexpr int kLevelOffset = 1080;     // exponent -1074 and below becomes level >= 0
 
+constexpr double kFocusSlack = 1 + 1e-12;  // for rounding
+
 double CellSize(int level) { return std::ldexp(kCellPerLevel, level - kLevelOffset); }
 
 int64_t CellCoordinate(double x, double size) {
@@ -47,16 +49,6 @@ double DistanceToFence(const Vec3& p, const Vec3& normal, const Fence& fence) {
   const Vec3 f = fence.end - fence.start, w = p - fence.start;
   const double t = std::clamp(Dot(w, f) / SquaredNorm(f), 0.0, 1.0);
   return Norm(w - t * f);
-}
-
-double ClockwiseTurn(const Vec3& normal, const Vec3& from, const Vec3& to) {
-  const double x = Dot(from, to) - Dot(from, normal) * Dot(to, normal);
-  const double y = Dot(normal, Cross(to, from));
-  const double sum = std::abs(x) + std::abs(y);
-  if (sum == 0) return 0;
-  if (y >= 0) return x >= 0 ? y / sum : 1 - x / sum;
-  const double turn = x < 0 ? 2 - y / sum : 3 + x / sum;
-  return turn < 4 ? turn : 0;
 }
 
 FenceIndex::FenceIndex(const FrontSet& fronts) : fronts_(&fronts), buckets_(1024, kNone), members_(kLevels) {}
@@ -101,13 +93,13 @@ void FenceIndex::Insert(FrontEdgeId edge) {
                            b.position,
                            Normalized(a.source.normal + b.source.normal),
                            FenceHalfHeight(length, std::max(a.max_curvature, b.max_curvature))};
-  s.middle = 0.5 * (a.position + b.position);
-  s.half_length = 0.5 * length;
+  s.ball = {0.5 * (a.position + b.position), 0.5 * length};
   // ilogb of an infinite length is the largest int.
-  s.level = std::clamp(length > 0 ? std::min(std::ilogb(length), kLevels) + kLevelOffset : 0, 0, kLevels - 1);
+  const int level = length > 0 ? std::min(std::ilogb(length), kLevels) + kLevelOffset : 0;
+  s.level = static_cast<int16_t>(std::clamp(level, 0, kLevels - 1));
   const double size = CellSize(s.level);
-  s.cell = CellOf(s.level, CellCoordinate(s.middle.x, size), CellCoordinate(s.middle.y, size),
-                  CellCoordinate(s.middle.z, size));
+  s.cell = CellOf(s.level, CellCoordinate(s.ball.center.x, size), CellCoordinate(s.ball.center.y, size),
+                  CellCoordinate(s.ball.center.z, size));
   if (members_[s.level].empty()) {
     levels_in_use_.insert(std::lower_bound(levels_in_use_.begin(), levels_in_use_.end(), s.level), s.level);
   }
@@ -117,6 +109,7 @@ void FenceIndex::Insert(FrontEdgeId edge) {
     Rehash();
   else
     LinkSlot(edge.index());
+  AddToFocus(edge.index());
 }
 
 void FenceIndex::Erase(FrontEdgeId edge) {
@@ -137,9 +130,82 @@ void FenceIndex::Erase(FrontEdgeId edge) {
     levels_in_use_.erase(std::lower_bound(levels_in_use_.begin(), levels_in_use_.end(), s.level));
   }
   s.level = -1;
+  DropFromFocus(edge.index());
+}
+
+// Places beyond the focus count as on its border, for edges and for queries: nothing gets lost.
+int FenceIndex::FocusCoordinate(double x, int axis) const {
+  const double place = (x - focus_.center[axis]) / focus_.radius;
+  return static_cast<int>(std::clamp((place + 1) * (0.5 * kFocusCells), 0.0, kFocusCells - 0.5));
+}
+
+void FenceIndex::AddToFocus(uint32_t slot) {
+  Slot& s = slots_[slot];
+  s.focus_cell = kNotInFocus;
+  const double reach = focus_.radius + s.ball.radius;
+  if (!(focus_.radius > 0 && SquaredDistance(s.ball.center, focus_.center) <= reach * reach)) return;
+  int cell = 0;
+  for (const int axis : focus_axes_) cell = kFocusCells * cell + FocusCoordinate(s.ball.center[axis], axis);
+  uint32_t& head = focus_cells_[cell];
+  s.focus_cell = static_cast<uint16_t>(cell);
+  s.focus_prev = kNone;
+  s.focus_next = head;
+  if (head != kNone) slots_[head].focus_prev = slot;
+  head = slot;
+  largest_in_focus_ = std::max(largest_in_focus_, s.ball.radius);
+}
+
+void FenceIndex::DropFromFocus(uint32_t slot) {
+  Slot& s = slots_[slot];
+  if (s.focus_cell == kNotInFocus) return;
+  if (s.focus_prev != kNone)
+    slots_[s.focus_prev].focus_next = s.focus_next;
+  else
+    focus_cells_[s.focus_cell] = s.focus_next;
+  if (s.focus_next != kNone) slots_[s.focus_next].focus_prev = s.focus_prev;
+  s.focus_cell = kNotInFocus;
+}
+
+void FenceIndex::Focus(const Vec3& center, double radius, const Vec3& normal) {
+  for (uint32_t& head : focus_cells_) {
+    while (head != kNone) DropFromFocus(head);
+  }
+  EndFocus();
+  focus_cells_.resize(kFocusCells * kFocusCells, kNone);
+  const double x = std::abs(normal.x), y = std::abs(normal.y), z = std::abs(normal.z);
+  const int along = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
+  focus_axes_[0] = along == 0 ? 1 : 0;
+  focus_axes_[1] = along == 2 ? 1 : 2;
+  largest_in_focus_ = 0;
+  std::vector<FrontEdgeId> found;
+  Query(center, radius, found);
+  focus_ = {center, radius};
+  for (const FrontEdgeId edge : found) AddToFocus(edge.index());
+}
+
+void FenceIndex::QueryFocus(const Vec3& center, double radius, std::vector<FrontEdgeId>& found) const {
+  const double reach = radius + largest_in_focus_;
+  int low[2], high[2];
+  for (int i = 0; i < 2; ++i) {
+    const int axis = focus_axes_[i];
+    low[i] = FocusCoordinate(center[axis] - reach, axis);
+    high[i] = FocusCoordinate(center[axis] + reach, axis);
+  }
+  for (int u = low[0]; u <= high[0]; ++u) {
+    const uint32_t* heads = &focus_cells_[kFocusCells * u];
+    for (int v = low[1]; v <= high[1]; ++v) {
+      for (uint32_t i = heads[v]; i != kNone; i = slots_[i].focus_next) {
+        const double r = radius + slots_[i].ball.radius;
+        if (SquaredDistance(slots_[i].ball.center, center) <= r * r) found.push_back(FrontEdgeId(i));
+      }
+    }
+  }
 }
 
 void FenceIndex::Query(const Vec3& center, double radius, std::vector<FrontEdgeId>& found) const {
+  if (kFocusSlack * (Distance(center, focus_.center) + radius) < focus_.radius) {
+    return QueryFocus(center, radius, found);
+  }
   for (const int level : levels_in_use_) {
     const double size = CellSize(level), reach = radius + size / kCellPerLevel;
     int64_t low[3], high[3];
@@ -150,8 +216,8 @@ void FenceIndex::Query(const Vec3& center, double radius, std::vector<FrontEdgeI
       cells *= static_cast<double>(high[axis] - low[axis] + 1);
     }
     const auto consider = [&](uint32_t i) {
-      const double r = radius + slots_[i].half_length;
-      if (SquaredDistance(slots_[i].middle, center) <= r * r) found.push_back(FrontEdgeId(i));
+      const double r = radius + slots_[i].ball.radius;
+      if (SquaredDistance(slots_[i].ball.center, center) <= r * r) found.push_back(FrontEdgeId(i));
     };
     if (cells >= static_cast<double>(members_[level].size())) {
       for (const uint32_t i : members_[level]) consider(i);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -42,6 +43,17 @@ double DistanceToFence(const Vec3& p, const Vec3& normal, const Fence& fence);
 // Angle turned clockwise about `normal` from one direction to another, as a monotone stand-in in [0, 4): 1 for 90°, exact at
 // multiples of 45°. No library transcendental, so that it is the same in every bit everywhere.
 double ClockwiseTurn(const Vec3& normal, const Vec3& from, const Vec3& to);
+// The same from what stands for its cosine and its sine.
+inline double TurnOf(double x, double y) {
+  const double sum = std::abs(x) + std::abs(y);
+  if (sum == 0) return 0;
+  if (y >= 0) return x >= 0 ? y / sum : 1 - x / sum;
+  const double turn = x < 0 ? 2 - y / sum : 3 + x / sum;
+  return turn < 4 ? turn : 0;
+}
+inline double ClockwiseTurn(const Vec3& normal, const Vec3& from, const Vec3& to) {
+  return TurnOf(Dot(from, to) - Dot(from, normal) * Dot(to, normal), Dot(normal, Cross(to, from)));
+}
 
 // A multi-level hash grid of the live front edges: level = ⌊log2 length⌋, cells of 8 such lengths, an edge in the cell of its
 // middle. Insert, erase and query cost O(1) however strongly the fronts are graded.
@@ -52,27 +64,44 @@ class FenceIndex {
   void Insert(FrontEdgeId edge);  // reads its geometry: vertices on a front do not move
   void Erase(FrontEdgeId edge);
   const Fence& at(FrontEdgeId edge) const { return fences_[edge.index()]; }
+  // The least ball around a front edge, without its height.
+  struct Ball {
+    Vec3 center;
+    double radius = 0;
+  };
+  const Ball& BallOf(FrontEdgeId edge) const { return slots_[edge.index()].ball; }
+  // From now on, until the next call, queries inside this ball are cheaper: it has a grid of its own, without hashing or
+  // levels, of columns that stand along the axis nearest to `normal`.
+  void Focus(const Vec3& center, double radius, const Vec3& normal);
+  void EndFocus() { focus_.radius = 0; }
   // Appends the edges that may come within `radius` of `center` (all that do, and some that do not), in an order that depends on
-  // the history of inserts and erasures only.
+  // the history of inserts, erasures and the focus only.
   void Query(const Vec3& center, double radius, std::vector<FrontEdgeId>& found) const;
 
  private:
   // What a query reads of an edge, apart from its fence: one cache line.
   struct Slot {
-    Vec3 middle;
-    double half_length = 0;
+    Ball ball;
     uint64_t cell = 0;
     uint32_t next = kNone, prev = kNone;
-    int level = -1;      // −1: not in the index
-    uint32_t place = 0;  // among the members of its level
+    uint32_t place = 0;                               // among the members of its level
+    uint32_t focus_next = kNone, focus_prev = kNone;  // among those in its cell of the focus
+    int16_t level = -1;                               // −1: not in the index
+    uint16_t focus_cell = kNotInFocus;
   };
   static constexpr uint32_t kNone = 0xffffffffu;
-  static constexpr int kLevels = 2100;  // every exponent a double has
+  static constexpr uint16_t kNotInFocus = 0xffffu;
+  static constexpr int kFocusCells = 16;  // an axis
+  static constexpr int kLevels = 2100;    // every exponent a double has
 
   uint64_t CellOf(int level, int64_t x, int64_t y, int64_t z) const;
   uint32_t& Bucket(uint64_t cell) { return buckets_[cell & (buckets_.size() - 1)]; }
   void LinkSlot(uint32_t slot);
   void Rehash();
+  void AddToFocus(uint32_t slot);
+  void DropFromFocus(uint32_t slot);
+  int FocusCoordinate(double x, int axis) const;
+  void QueryFocus(const Vec3& center, double radius, std::vector<FrontEdgeId>& found) const;
 
   const FrontSet* fronts_;
   std::vector<Slot> slots_;
@@ -81,6 +110,10 @@ class FenceIndex {
   std::vector<std::vector<uint32_t>> members_;  // by level: short lists are looked through instead of cells
   std::vector<int> levels_in_use_;
   size_t count_ = 0;
+  Ball focus_;  // radius 0: none
+  int focus_axes_[2] = {0, 1};
+  double largest_in_focus_ = 0;        // of the balls' radii
+  std::vector<uint32_t> focus_cells_;  // kFocusCells² first slots
 };
 
 }  // namespace meshfront

@@ -203,8 +203,10 @@ bool FrontSet::VisitFan(WindowVertexId v, const Visitor& visit) const {
   if (!start.is_half_edge()) return false;
   Link h = start;
   do {  // h leaves v; the side before it comes in to v
-    visit(h.triangle(), h.side());
-    h = at(h.triangle()).across[(h.side() + 2) % 3];
+    const WindowTriangleId t = h.triangle();
+    const int side = h.side();
+    visit(t, side);
+    h = at(t).across[side == 0 ? 2 : side - 1];
   } while (h.is_half_edge() && h != start);
   if (h == start) return true;
   h = at(start.triangle()).across[start.side()];

@@ -25,7 +25,10 @@ constexpr double kMinRadiusPerBase = 0.7,
                  kMaxRadiusPerBase = 1.6;  // free sides against a base that is too long or too short
 constexpr double kFarTooClose = 0.85;      // of the clearance: what curvature may add to a distance in the plane
 constexpr double kSixtyDegrees = 0.6339745962155614;  // ClockwiseTurn of 60°
-constexpr double kSameSheetResidual = 1e-3;           // in parts of the side: a descent that arrives is exact
+constexpr double kSignTells =
+    1e-6;  // a cosine that is required and above this is not met by what is not positive, rounded or not
+constexpr double kBallSlack = 1 + 1e-6;      // for rounding, and for the normals of needles
+constexpr double kSameSheetResidual = 1e-3;  // in parts of the side: a descent that arrives is exact
 
 double SegmentDistance(const Vec3& p, const Vec3& a, const Vec3& b) {
   const Vec3 d = b - a;
@@ -53,12 +56,27 @@ Verdict Proposer::Judge(Verdict verdict) {
   return verdict;
 }
 
+// With its height.
+FenceIndex::Ball Proposer::BallAround(const NewEdge& edge) {
+  return {0.5 * (edge.start + edge.end), kBallSlack * (0.5 * Distance(edge.start, edge.end) + edge.half_height)};
+}
+
+bool Proposer::MayCross(const FenceIndex::Ball& ball, const Near& fence) {
+  const double apart = ball.radius + fence.reach;
+  return SquaredDistance(ball.center, fence.middle) <= apart * apart;
+}
+
 // The front edges around a place, on the edge's sheet.
-void Proposer::Gather(FrontEdgeId edge, const Vec3& center, double radius) {
+void Proposer::Gather(FrontEdgeId of, const Vec3& center, double radius) {
+  found_.clear();
+  fences_.Query(center, radius, found_);
   near_.clear();
-  fences_.Query(center, radius, near_);
-  const uint32_t sheet = fences_.at(edge).sheet;
-  std::erase_if(near_, [&](FrontEdgeId e) { return fences_.at(e).sheet != sheet; });
+  const uint32_t sheet = fences_.at(of).sheet;
+  for (const FrontEdgeId edge : found_) {
+    if (fences_.at(edge).sheet != sheet) continue;
+    const FenceIndex::Ball& ball = fences_.BallOf(edge);
+    near_.push_back({edge, ball.center, ball.radius + fences_.at(edge).half_height});
+  }
 }
 
 double Proposer::FreeRatio(FrontEdgeId edge) const {
@@ -128,12 +146,15 @@ Verdict Proposer::CheckFree(FrontEdgeId edge, const SourcePoint& apex, double st
   const NewEdge side_a{a.position, apex.position, Normalized(a.source.normal + apex.normal), height_a};
   const NewEdge side_b{b.position, apex.position, Normalized(b.source.normal + apex.normal), height_b};
   const uint32_t at_a = fronts_.IdentityOf(ia), at_b = fronts_.IdentityOf(ib);
-  for (const FrontEdgeId f : near_) {
-    if (f == edge) continue;
-    const Fence& fence = fences_.at(f);
+  const FenceIndex::Ball ball_a = BallAround(side_a), ball_b = BallAround(side_b);
+  for (const Near& near : near_) {
+    if (near.edge == edge) continue;
+    const Fence& fence = fences_.at(near.edge);
     if (DistanceToFence(apex.position, apex.normal, fence) < clearance) return Verdict::kTooClose;
-    if (fence.from != at_a && fence.to != at_a && CrossesFence(side_a, fence)) return Verdict::kCrossesFence;
-    if (fence.from != at_b && fence.to != at_b && CrossesFence(side_b, fence)) return Verdict::kCrossesFence;
+    if (fence.from != at_a && fence.to != at_a && MayCross(ball_a, near) && CrossesFence(side_a, fence))
+      return Verdict::kCrossesFence;
+    if (fence.from != at_b && fence.to != at_b && MayCross(ball_b, near) && CrossesFence(side_b, fence))
+      return Verdict::kCrossesFence;
     if (fence.from == at_a || fence.from == at_b || Dot(fence.normal, normal) < kOtherSheetCosine) continue;
     if (SegmentDistance(fence.start, a.position, apex.position) < clearance ||
         SegmentDistance(fence.start, b.position, apex.position) < clearance) {
@@ -145,62 +166,95 @@ Verdict Proposer::CheckFree(FrontEdgeId edge, const SourcePoint& apex, double st
 
 // A connection candidate with everything its tests need.
 struct Proposer::Candidate {
-  FrontEdgeId edge, corner;
-  WindowVertexId ia, ib, ic;
-  const WindowVertex *a, *b, *c;
+  // Of the edge alone.
+  FrontEdgeId edge, before, after;  // `after`: the edge at whose start the one after the base ends
+  WindowVertexId ia, ib;
+  const WindowVertex *a, *b;
+  Vec3 ab;
+  double side_ab;
+  double open_a, open_b;  // the turns of the open sides at its ends
+  // Of the corner too.
+  FrontEdgeId corner;
+  WindowVertexId ic;
+  const WindowVertex* c;
   bool zip_before, zip_after;  // the side a–c or c–b is a front edge already
-  double side_ab, side_ac, side_cb;
+  // From CheckShape and CheckSectors.
+  double side_ac, side_cb;
   Vec3 normal;            // of the triangle (b, a, c), unit length
   double optimistic = 0;  // smallest angle of the triangle alone
   double score = 0;       // and of the corners left behind
 };
 
-void Proposer::Describe(FrontEdgeId edge, FrontEdgeId corner, Candidate& c) const {
-  c.edge = edge, c.corner = corner;
-  c.ia = fronts_.From(edge), c.ib = fronts_.To(edge), c.ic = fronts_.From(corner);
-  c.a = &fronts_.at(c.ia), c.b = &fronts_.at(c.ib), c.c = &fronts_.at(c.ic);
-  c.zip_before = corner == fronts_.at(edge).prev;
-  c.zip_after = corner == fronts_.at(fronts_.at(edge).next).next;
-  const Vec3 ab = c.b->position - c.a->position, ac = c.c->position - c.a->position, cb = c.b->position - c.c->position;
-  c.side_ab = Norm(ab), c.side_ac = Norm(ac), c.side_cb = Norm(cb);
-  c.normal = Normalized(Cross(ac, ab));
-  c.optimistic =
-      std::min({ClockwiseTurn(c.normal, ab, ac), ClockwiseTurn(c.normal, cb, ab), ClockwiseTurn(c.normal, -ac, cb)});
+Proposer::Proposer(const Surface& surface, const FrontSet& fronts, const FenceIndex& fences)
+    : surface_(surface), fronts_(fronts), fences_(fences) {}
+Proposer::~Proposer() = default;
+
+void Proposer::DescribeBase(FrontEdgeId edge, Candidate& c) const {
+  const auto whole = [](double turn) { return turn > 0 ? turn : 4.0; };
+  const FrontEdgeId next = fronts_.at(edge).next;
+  c.edge = edge, c.before = fronts_.at(edge).prev, c.after = fronts_.at(next).next;
+  c.ia = fronts_.From(edge), c.ib = fronts_.From(next);
+  c.a = &fronts_.at(c.ia), c.b = &fronts_.at(c.ib);
+  c.ab = c.b->position - c.a->position;
+  c.side_ab = Norm(c.ab);
+  const Vec3 before = fronts_.at(fronts_.From(c.before)).position - c.a->position;
+  const Vec3 after = fronts_.at(fronts_.From(c.after)).position - c.b->position;
+  c.open_a = whole(ClockwiseTurn(c.a->source.normal, c.ab, before));
+  c.open_b = whole(ClockwiseTurn(c.b->source.normal, after, -c.ab));
 }
 
-Verdict Proposer::CheckShape(const Candidate& c, const Strictness& s) const {
+void Proposer::DescribeCorner(FrontEdgeId corner, Candidate& c) const {
+  c.corner = corner;
+  c.ic = fronts_.From(corner);
+  c.c = &fronts_.at(c.ic);
+  c.zip_before = corner == c.before;
+  c.zip_after = corner == c.after;
+}
+
+// Also computes the sides, the normal and the optimistic score.
+Verdict Proposer::CheckShape(Candidate& c, const Strictness& s) const {
+  const Vec3 ac = c.c->position - c.a->position, cb = c.b->position - c.c->position;
+  const Vec3 area = Cross(ac, c.ab);
+  // Most candidates lie behind the edge: their signs tell.
+  if (s.min_normal_cosine > kSignTells && (Dot(area, c.a->source.normal) <= 0 || Dot(area, c.b->source.normal) <= 0 ||
+                                           Dot(area, c.c->source.normal) <= 0)) {
+    return Verdict::kNormalsDisagree;
+  }
+  c.normal = Normalized(area);
   if (c.normal == Vec3{}) return Verdict::kNormalsDisagree;
   if (std::min({Dot(c.normal, c.a->source.normal), Dot(c.normal, c.b->source.normal),
                 Dot(c.normal, c.c->source.normal)}) < s.min_normal_cosine) {
     return Verdict::kNormalsDisagree;
   }
+  c.side_ac = Norm(ac), c.side_cb = Norm(cb);
   const double limit = s.max_side * kMaxSidePerGuidance;
   if (!c.zip_before && c.side_ac > limit * std::max({c.a->length, c.c->length, 0.5 * c.side_ab}))
     return Verdict::kTooLong;
   if (!c.zip_after && c.side_cb > limit * std::max({c.b->length, c.c->length, 0.5 * c.side_ab}))
     return Verdict::kTooLong;
+  const double up_ab = Dot(c.ab, c.normal), up_ac = Dot(ac, c.normal), up_cb = Dot(cb, c.normal);
+  c.optimistic = std::min({TurnOf(Dot(c.ab, ac) - up_ab * up_ac, Dot(c.normal, area)),
+                           TurnOf(Dot(cb, c.ab) - up_cb * up_ab, Dot(c.normal, Cross(c.ab, cb))),
+                           TurnOf(up_ac * up_cb - Dot(ac, cb), -Dot(c.normal, Cross(cb, ac)))});
   return Verdict::kAccepted;
 }
 
 // Each corner's open side runs clockwise from the edge that leaves it to the one that comes in. Also computes the score.
 Verdict Proposer::CheckSectors(Candidate& c) const {
   const auto place = [this](WindowVertexId v) { return fronts_.at(v).position; };
-  const Vec3 ab = c.b->position - c.a->position, ac = c.c->position - c.a->position, cb = c.b->position - c.c->position;
+  const Vec3 ac = c.c->position - c.a->position, cb = c.b->position - c.c->position;
   c.score = std::min(kSixtyDegrees, c.optimistic);
   if (c.zip_before && c.zip_after) return SurroundsOpenSide(c.edge) ? Verdict::kAccepted : Verdict::kOutsideSector;
   const auto whole = [](double turn) { return turn > 0 ? turn : 4.0; };
   if (!c.zip_before) {
-    const Vec3 before = place(fronts_.From(fronts_.at(c.edge).prev)) - c.a->position;
-    const double open = whole(ClockwiseTurn(c.a->source.normal, ab, before));
-    const double turn = ClockwiseTurn(c.a->source.normal, ab, ac);
-    if (turn <= 0 || turn >= open) return Verdict::kOutsideSector;
-    c.score = std::min(c.score, open - turn);
+    const double turn = ClockwiseTurn(c.a->source.normal, c.ab, ac);
+    if (turn <= 0 || turn >= c.open_a) return Verdict::kOutsideSector;
+    c.score = std::min(c.score, c.open_a - turn);
   }
   if (!c.zip_after) {
-    const Vec3 after = place(fronts_.To(fronts_.at(c.edge).next)) - c.b->position;
-    const double open = whole(ClockwiseTurn(c.b->source.normal, after, -ab));
+    const Vec3 after = place(fronts_.From(c.after)) - c.b->position;
     const double turn = ClockwiseTurn(c.b->source.normal, after, -cb);
-    if (turn <= 0 || turn >= open) return Verdict::kOutsideSector;
+    if (turn <= 0 || turn >= c.open_b) return Verdict::kOutsideSector;
     c.score = std::min(c.score, turn);
   }
   const Vec3 leave = place(fronts_.To(c.corner)) - c.c->position;
@@ -234,6 +288,7 @@ bool Proposer::SurroundsOpenSide(FrontEdgeId edge) const {
   return turns < 2.0 * corners;
 }
 
+// A fence whose ball stays clear of the triangle's, with the heights and clearances added, can fail no test.
 Verdict Proposer::CheckFences(const Candidate& c, const Strictness& s) const {
   const double height_a = FenceHalfHeight(c.side_ac, std::max(c.a->max_curvature, c.c->max_curvature));
   const double height_b = FenceHalfHeight(c.side_cb, std::max(c.b->max_curvature, c.c->max_curvature));
@@ -246,13 +301,19 @@ Verdict Proposer::CheckFences(const Candidate& c, const Strictness& s) const {
   const auto touches = [](const Fence& f, uint32_t u, uint32_t v) {
     return f.from == u || f.to == u || f.from == v || f.to == v;
   };
-  for (const FrontEdgeId id : near_) {
-    if (id == c.edge) continue;
-    const Fence& f = fences_.at(id);
+  const Vec3 center = (c.a->position + c.b->position + c.c->position) / 3.0;
+  const double radius =
+      std::sqrt(std::max({SquaredDistance(center, c.a->position), SquaredDistance(center, c.b->position),
+                          SquaredDistance(center, c.c->position)}));
+  const double reach = kBallSlack * (radius + std::max({height, clearance_a, clearance_b}));
+  for (const Near& near : near_) {
+    const double apart = reach + near.reach;
+    if (SquaredDistance(near.middle, center) > apart * apart || near.edge == c.edge) continue;
+    const Fence& f = fences_.at(near.edge);
     if (!c.zip_before && !touches(f, at_a, at_c) && CrossesFence(side_a, f)) return Verdict::kCrossesFence;
     if (!c.zip_after && !touches(f, at_b, at_c) && CrossesFence(side_b, f)) return Verdict::kCrossesFence;
     if (f.from == at_a || f.from == at_b || f.from == at_c) continue;
-    if (Dot(f.normal, c.normal) < kOtherSheetCosine) continue;
+    if (SquaredDistance(f.start, center) > reach * reach || Dot(f.normal, c.normal) < kOtherSheetCosine) continue;
     const double off = std::abs(Dot(c.normal, f.start - c.a->position));
     if (off <= height && ProjectsInside(f.start, c.normal, c.b->position, c.a->position, c.c->position)) {
       return Verdict::kContainsVertex;
@@ -281,22 +342,30 @@ bool Proposer::StandsForSurface(const SourcePoint& a, const SourcePoint& b, cons
   return Dot(x.normal, AreaVector(b.position, a.position, apex.position)) > 0;
 }
 
-Verdict Proposer::CheckAll(Candidate& c, const Strictness& s) const {
-  if (c.ic == c.ia || c.ic == c.ib) return Verdict::kEdgeExists;
-  if (const Verdict v = CheckShape(c, s); v != Verdict::kAccepted) return v;
-  if (const Verdict v = CheckSectors(c); v != Verdict::kAccepted) return v;
+// What comes after CheckShape and CheckSectors.
+Verdict Proposer::CheckSurroundings(const Candidate& c, const Strictness& s) {
   const Link owner = fronts_.at(c.edge).owner;
   if (owner.is_half_edge() && fronts_.at(owner.triangle()).corners[(owner.side() + 2) % 3] == c.ic)
     return Verdict::kEdgeExists;
   if (!c.zip_before && fronts_.EdgeExists(c.ia, c.ic)) return Verdict::kEdgeExists;
   if (!c.zip_after && fronts_.EdgeExists(c.ib, c.ic)) return Verdict::kEdgeExists;
   if (const Verdict v = CheckFences(c, s); v != Verdict::kAccepted) return v;
-  const double longest = std::max({c.side_ab, c.side_ac, c.side_cb});
-  if (!StandsForSurface(c.a->source, c.b->source, c.c->source, !c.zip_before, !c.zip_after,
-                        s.sheet_tolerance * longest)) {
-    return Verdict::kOffSheet;
+  return StandsForSurface(c, s.sheet_tolerance) ? Verdict::kAccepted : Verdict::kOffSheet;
+}
+
+// Connections are asked for again when they are made, and while their edges are stuck. The answer stays, since vertices on
+// fronts do not move.
+bool Proposer::StandsForSurface(const Candidate& c, double tolerance) {
+  const uint32_t edge = fronts_.at(c.edge).birth, corner = fronts_.at(c.corner).birth;
+  SheetAnswer& answer = sheet_answers_[(edge * 0x9e3779b1u + corner) % kSheetAnswers];
+  if (answer.edge != edge || answer.corner != corner || answer.tolerance != tolerance ||
+      answer.zip_before != c.zip_before || answer.zip_after != c.zip_after) {
+    const double longest = std::max({c.side_ab, c.side_ac, c.side_cb});
+    const bool stands =
+        StandsForSurface(c.a->source, c.b->source, c.c->source, !c.zip_before, !c.zip_after, tolerance * longest);
+    answer = {edge, corner, tolerance, c.zip_before, c.zip_after, stands};
   }
-  return Verdict::kAccepted;
+  return answer.stands;
 }
 
 double Proposer::SearchRadius(FrontEdgeId edge, const Strictness& s) const {
@@ -307,12 +376,12 @@ double Proposer::SearchRadius(FrontEdgeId edge, const Strictness& s) const {
 
 ConnectionProposal Proposer::ProposeEar(FrontEdgeId edge, const Strictness& strictness) const {
   ConnectionProposal proposal;
-  const FrontEdge& e = fronts_.at(edge);
-  for (const FrontEdgeId corner : {e.prev, fronts_.at(e.next).next}) {
-    Candidate c;
-    Describe(edge, corner, c);
-    if (c.ic == c.ia || c.ic == c.ib || c.optimistic <= proposal.score) continue;
-    if (CheckShape(c, strictness) != Verdict::kAccepted || CheckSectors(c) != Verdict::kAccepted) continue;
+  Candidate c;
+  DescribeBase(edge, c);
+  for (const FrontEdgeId corner : {c.before, c.after}) {
+    DescribeCorner(corner, c);
+    if (c.ic == c.ia || c.ic == c.ib || CheckShape(c, strictness) != Verdict::kAccepted) continue;
+    if (c.optimistic <= proposal.score || CheckSectors(c) != Verdict::kAccepted) continue;
     if (c.score > proposal.score) proposal = {corner, c.score};
   }
   return proposal;
@@ -320,38 +389,46 @@ ConnectionProposal Proposer::ProposeEar(FrontEdgeId edge, const Strictness& stri
 
 Verdict Proposer::CheckConnection(FrontEdgeId edge, FrontEdgeId corner, const Strictness& strictness) {
   Candidate c;
-  Describe(edge, corner, c);
-  const Vec3 middle = 0.5 * (c.a->position + c.b->position);
-  Gather(edge, middle, SearchRadius(edge, strictness));
-  return CheckAll(c, strictness);
+  DescribeBase(edge, c);
+  DescribeCorner(corner, c);
+  if (c.ic == c.ia || c.ic == c.ib) return Verdict::kEdgeExists;
+  if (const Verdict v = CheckShape(c, strictness); v != Verdict::kAccepted) return v;
+  if (const Verdict v = CheckSectors(c); v != Verdict::kAccepted) return v;
+  Gather(edge, 0.5 * (c.a->position + c.b->position), SearchRadius(edge, strictness));
+  return CheckSurroundings(c, strictness);
 }
 
 Verdict Proposer::ProposeConnection(FrontEdgeId edge, const Strictness& strictness, ConnectionProposal& proposal) {
-  const Vec3 a = fronts_.at(fronts_.From(edge)).position, b = fronts_.at(fronts_.To(edge)).position;
-  const Vec3 middle = 0.5 * (a + b);
+  Candidate c;
+  DescribeBase(edge, c);
+  const Vec3 middle = 0.5 * (c.a->position + c.b->position);
   const double radius = SearchRadius(edge, strictness);
   Gather(edge, middle, radius);
-  std::vector<Candidate> candidates;
+  candidates_.clear();
   Verdict last = Verdict::kTooLong;
-  for (const FrontEdgeId corner : near_) {
-    if (SquaredDistance(fences_.at(corner).start, middle) > radius * radius) continue;
-    Candidate c;
-    Describe(edge, corner, c);
-    if (c.ic == c.ia || c.ic == c.ib) continue;
+  for (const Near& near : near_) {
+    const Fence& fence = fences_.at(near.edge);
+    if (fence.from == fronts_.IdentityOf(c.ia) || fence.from == fronts_.IdentityOf(c.ib)) continue;
+    if (SquaredDistance(fence.start, middle) > radius * radius) continue;
+    DescribeCorner(near.edge, c);
     last = CheckShape(c, strictness);
     if (last != Verdict::kAccepted)
       ++counts_[static_cast<int>(last)];
     else
-      candidates.push_back(c);
+      candidates_.push_back(c);
   }
-  std::sort(candidates.begin(), candidates.end(), [](const Candidate& x, const Candidate& y) {
+  std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& x, const Candidate& y) {
     return x.optimistic != y.optimistic ? x.optimistic > y.optimistic : x.corner < y.corner;
   });
   proposal = {};
-  for (Candidate& c : candidates) {
-    if (std::min(c.optimistic, kSixtyDegrees) <= proposal.score) break;
-    last = Judge(CheckAll(c, strictness));
-    if (last == Verdict::kAccepted && c.score > proposal.score) proposal = {c.corner, c.score};
+  for (Candidate& candidate : candidates_) {
+    if (std::min(candidate.optimistic, kSixtyDegrees) <= proposal.score) break;
+    last = CheckSectors(candidate);
+    if (last == Verdict::kAccepted) {
+      if (candidate.score <= proposal.score) continue;  // would change nothing
+      last = CheckSurroundings(candidate, strictness);
+    }
+    if (Judge(last) == Verdict::kAccepted) proposal = {candidate.corner, candidate.score};
   }
   return proposal.corner.valid() ? Verdict::kAccepted : last;
 }

@@ -57,8 +57,8 @@ struct ConnectionProposal {
 // Looks, never touches. Not thread-safe (scratch).
 class Proposer {
  public:
-  Proposer(const Surface& surface, const FrontSet& fronts, const FenceIndex& fences)
-      : surface_(surface), fronts_(fronts), fences_(fences) {}
+  Proposer(const Surface& surface, const FrontSet& fronts, const FenceIndex& fences);
+  ~Proposer();
 
   // Radius ratio of the free triangle that `edge` would make, from lengths alone; 0 when there is none.
   double FreeRatio(FrontEdgeId edge) const;
@@ -79,22 +79,42 @@ class Proposer {
 
  private:
   struct Candidate;
-  void Gather(FrontEdgeId edge, const Vec3& center, double radius);
+  // A fence with a ball around it.
+  struct Near {
+    FrontEdgeId edge;
+    Vec3 middle;
+    double reach;
+  };
+  static FenceIndex::Ball BallAround(const NewEdge& edge);
+  static bool MayCross(const FenceIndex::Ball& ball, const Near& fence);
+  void Gather(FrontEdgeId of, const Vec3& center, double radius);
   Verdict Judge(Verdict verdict);
   Verdict CheckNeighbours(FrontEdgeId edge, double radius_a, double radius_b) const;
   Verdict CheckFree(FrontEdgeId edge, const SourcePoint& apex, double step) const;
-  void Describe(FrontEdgeId edge, FrontEdgeId corner, Candidate& candidate) const;
-  Verdict CheckShape(const Candidate& c, const Strictness& strictness) const;
+  void DescribeBase(FrontEdgeId edge, Candidate& candidate) const;
+  void DescribeCorner(FrontEdgeId corner, Candidate& candidate) const;
+  Verdict CheckShape(Candidate& c, const Strictness& strictness) const;
   Verdict CheckSectors(Candidate& c) const;
   Verdict CheckFences(const Candidate& c, const Strictness& strictness) const;
-  Verdict CheckAll(Candidate& c, const Strictness& strictness) const;
+  Verdict CheckSurroundings(const Candidate& c, const Strictness& strictness);
+  bool StandsForSurface(const Candidate& c, double tolerance);
   double SearchRadius(FrontEdgeId edge, const Strictness& strictness) const;
 
   const Surface& surface_;
   const FrontSet& fronts_;
   const FenceIndex& fences_;
-  std::vector<FrontEdgeId> near_;
+  std::vector<FrontEdgeId> found_;
+  std::vector<Near> near_;  // of the last Gather
+  std::vector<Candidate> candidates_;
   std::array<uint64_t, kVerdicts> counts_{};
+  // Answers of test 4, by the births of a candidate's edge and corner.
+  struct SheetAnswer {
+    uint32_t edge = 0, corner = 0;
+    double tolerance = -1;  // in parts of the longest side
+    bool zip_before = false, zip_after = false, stands = false;
+  };
+  static constexpr size_t kSheetAnswers = 1024;
+  std::array<SheetAnswer, kSheetAnswers> sheet_answers_;
 };
 
 }  // namespace meshfront

@@ -26,6 +26,8 @@ namespace {
 constexpr uint32_t kFar = 0xffffu;
 constexpr double kMinFlipNormalCosine = 0.5;  // new triangles against the surface normals at their corners
 constexpr double kMinFlipGain = 1.02;         // the smaller sine must grow by this factor: no ping-pong
+constexpr double kNeedleSineSquared = 1e-5;   // below it a ratio is left to RadiusRatio, which knows needles
+constexpr double kNoFloor = -std::numeric_limits<double>::infinity();
 constexpr double kMinMoveNormalCosine = 0.3;
 constexpr double kSearchBelow = 0.85;                // radius ratio under which a vertex is worth a search
 constexpr double kSearchSteps[] = {0.2, 0.1, 0.05};  // in parts of the mean spoke
@@ -36,16 +38,45 @@ constexpr double kFitMayLoseQuality = 0.97;
 constexpr size_t kMaxRing = 24;   // vertices around one that is removed
 constexpr double kSliver = 0.25;  // radius ratio below which a triangle is worth another try of the front
 
-// Sine of the smallest angle: twice the area over the product of the two longest sides.
-double MinSine(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const double ab = SquaredDistance(a, b), bc = SquaredDistance(b, c), ca = SquaredDistance(c, a);
+// Sine of the smallest angle: twice the area over the product of the two longest sides. From the squares of the sides and
+// of twice the area.
+inline double SineOfSquares(double ab, double bc, double ca, double area) {
   const double product = ab * bc * ca / std::min({ab, bc, ca});
-  return product > 0 ? Norm(AreaVector(a, b, c)) / std::sqrt(product) : 0;
+  return product > 0 ? std::sqrt(area) / std::sqrt(product) : 0;
+}
+double MinSine(const Vec3& a, const Vec3& b, const Vec3& c) {
+  return SineOfSquares(SquaredDistance(a, b), SquaredDistance(b, c), SquaredDistance(c, a),
+                       SquaredNorm(AreaVector(a, b, c)));
 }
 
 double NormalAgreement(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& na, const Vec3& nb, const Vec3& nc) {
   const Vec3 n = Normalized(AreaVector(a, b, c));
   return std::min({Dot(n, na), Dot(n, nb), Dot(n, nc)});
+}
+
+// What WorstAround takes the least of. `from2`, `to2`, `area2`: the squares of the spoke's two sides at `place`, and of
+// twice the area.
+constexpr auto kMinSine = [](const Vec3&, const auto& spoke, double from2, double to2, double area2) {
+  return SineOfSquares(from2, spoke.opposite2, to2, area2);
+};
+constexpr auto kRadiusRatio = [](const Vec3& place, const auto& spoke, double from2, double to2, double area2) {
+  if (area2 < kNeedleSineSquared * from2 * to2) return RadiusRatio(place, spoke.from, spoke.to);
+  return RadiusRatioOfSquares(from2, spoke.opposite2, to2, area2);
+};
+
+// The triangles of pairs (i, j), by i, and for each i by the rank of j.
+std::vector<std::pair<WindowTriangleId, WindowTriangleId>> InOrder(
+    const std::vector<std::pair<uint32_t, uint32_t>>& pairs, absl::Span<const uint32_t> ranked,
+    const std::vector<WindowTriangleId>& ids) {
+  if (pairs.empty()) return {};
+  std::vector<uint32_t> rank(ranked.size());
+  for (uint32_t i = 0; i < ranked.size(); ++i) rank[ranked[i]] = i;
+  std::vector<std::pair<uint32_t, uint32_t>> keys;
+  for (const auto& [i, j] : pairs) keys.push_back({i, rank[j]});
+  std::sort(keys.begin(), keys.end());
+  std::vector<std::pair<WindowTriangleId, WindowTriangleId>> sorted;
+  for (const auto& [i, rank_of_j] : keys) sorted.push_back({ids[i], ids[ranked[rank_of_j]]});
+  return sorted;
 }
 
 }  // namespace
@@ -106,10 +137,11 @@ bool SettlingWindow::TryFlip(Link h) {
   const WindowVertexId ic = s.corners[(h.side() + 2) % 3], id = t.corners[(g.side() + 2) % 3];
   const WindowVertex &a = fronts_.at(ia), &b = fronts_.at(ib), &c = fronts_.at(ic), &d = fronts_.at(id);
   if (std::min({a.depth, b.depth, c.depth, d.depth}) + 1 < kMoveDepth) return false;
+  const double one_after = MinSine(c.position, d.position, b.position);
+  if (one_after < std::min(sines_[h.triangle().index()], sines_[g.triangle().index()])) return false;
   const double before =
       std::min(MinSine(a.position, b.position, c.position), MinSine(b.position, a.position, d.position));
-  const double after =
-      std::min(MinSine(c.position, d.position, b.position), MinSine(d.position, c.position, a.position));
+  const double after = std::min(one_after, MinSine(d.position, c.position, a.position));
   if (after <= kMinFlipGain * before) return false;
   const auto agreement = [](const WindowVertex& p, const WindowVertex& q, const WindowVertex& r) {
     return NormalAgreement(p.position, q.position, r.position, p.source.normal, q.source.normal, r.source.normal);
@@ -117,16 +149,39 @@ bool SettlingWindow::TryFlip(Link h) {
   const double old_agreement = std::min(agreement(a, b, c), agreement(b, a, d));
   const double new_agreement = std::min(agreement(c, d, b), agreement(d, c, a));
   if (new_agreement < std::min(kMinFlipNormalCosine, old_agreement)) return false;
-  if (fronts_.EdgeExists(ic, id)) return false;
+  NoteChange(h.triangle());
+  NoteChange(g.triangle());
+  if (fronts_.EdgeExists(ic, id)) return false;  // perhaps not for long: the note has it looked at again
   fronts_.Flip(h);
+  sines_[h.triangle().index()] = SineOf(h.triangle());
+  sines_[g.triangle().index()] = SineOf(g.triangle());
   return true;
 }
 
+double SettlingWindow::SineOf(WindowTriangleId id) const {
+  const WindowTriangle& t = fronts_.at(id);
+  return MinSine(fronts_.at(t.corners[0]).position, fronts_.at(t.corners[1]).position,
+                 fronts_.at(t.corners[2]).position);
+}
+
+// The triangle changed, and with it what can be had from its sides and corners: the next sweeps look at them again.
+void SettlingWindow::NoteChange(WindowTriangleId id) {
+  if (changed_.size() <= id.index()) changed_.resize(id.index() + 1), sines_.resize(id.index() + 1);
+  changed_[id.index()] = clock_;
+  for (const WindowVertexId v : fronts_.at(id).corners) is_search_due_[v.index()] = true;
+}
+
 void SettlingWindow::FlipSweep() {
+  const uint32_t since = last_flips_;
+  last_flips_ = ++clock_;
+  for (const WindowTriangleId t : around_) {
+    if (fronts_.at(t).alive && changed_[t.index()] >= since) sines_[t.index()] = SineOf(t);
+  }
   for (const WindowTriangleId t : around_) {
     for (int side = 0; side < 3 && fronts_.at(t).alive; ++side) {
       const Link across = fronts_.at(t).across[side];
       if (!across.is_half_edge() || across.triangle() < t || !IsAround(across.triangle())) continue;
+      if (changed_[t.index()] < since && changed_[across.triangle().index()] < since) continue;
       if (TryFlip(Link::HalfEdge(t, side))) ++counts_.flips;
     }
   }
@@ -136,33 +191,39 @@ bool SettlingWindow::GatherRing(WindowVertexId v) {
   ring_.clear();
   return fronts_.VisitFan(v, [&](WindowTriangleId t, int corner) {
     const WindowTriangle& triangle = fronts_.at(t);
-    ring_.push_back({fronts_.at(triangle.corners[(corner + 1) % 3]).position,
-                     fronts_.at(triangle.corners[(corner + 2) % 3]).position, t, corner});
+    const Vec3& from =
+        ring_.empty() ? fronts_.at(triangle.corners[corner == 2 ? 0 : corner + 1]).position : ring_.back().to;
+    const Vec3& to = fronts_.at(triangle.corners[corner == 0 ? 2 : corner - 1]).position;
+    ring_.push_back({from, to, SquaredDistance(from, to), t, corner});
   });
 }
 
-// The least `measure` of the triangles around a vertex at `place`, or −1 when one of them turns against the normal.
-double SettlingWindow::WorstAround(const Vec3& place, const Vec3& normal,
-                                   double (*measure)(const Vec3&, const Vec3&, const Vec3&)) const {
+// The least `measure` of the triangles around a vertex at `place`, or −1 when one of them turns against the normal; any value
+// below `floor` where the least is below it.
+template <class Measure>
+double SettlingWindow::WorstAround(const Vec3& place, const Vec3& normal, Measure measure, double floor) const {
   double worst = std::numeric_limits<double>::infinity();
   for (const Spoke& s : ring_) {
-    const Vec3 area = AreaVector(place, s.from, s.to);
-    if (Dot(area, normal) < kMinMoveNormalCosine * Norm(area)) return -1;
-    worst = std::min(worst, measure(place, s.from, s.to));
+    const Vec3 from = s.from - place, to = s.to - place, area = Cross(from, to);
+    const double squared_area = SquaredNorm(area);
+    if (Dot(area, normal) < kMinMoveNormalCosine * std::sqrt(squared_area)) return -1;
+    worst = std::min(worst, measure(place, s, SquaredNorm(from), SquaredNorm(to), squared_area));
+    if (worst < floor) break;
   }
   return worst;
 }
 
 // Moves the vertex to the surface next to `target` if the worst measure around it does not fall below `worst` (updated).
-bool SettlingWindow::TryMove(WindowVertexId id, const Vec3& target,
-                             double (*measure)(const Vec3&, const Vec3&, const Vec3&), double& worst) {
+template <class Measure>
+bool SettlingWindow::TryMove(WindowVertexId id, const Vec3& target, Measure measure, double& worst) {
   WindowVertex& v = fronts_.at(id);
   const SourcePoint moved = surface_.Snap(v.source, target);
-  const double after = WorstAround(moved.position, moved.normal, measure);
+  const double after = WorstAround(moved.position, moved.normal, measure, worst);
   if (after < worst || after < 0) return false;
   worst = after;
   v.source = moved;
   v.position = moved.position;
+  for (const Spoke& s : ring_) NoteChange(s.triangle);
   return true;
 }
 
@@ -173,24 +234,24 @@ void SettlingWindow::SmoothSweep() {
     Vec3 sum;
     double weights = 0;
     for (const Spoke& s : ring_) {
-      const double opposite = SquaredDistance(s.from, s.to);
-      if (opposite <= 0) continue;
-      const double w = Norm(AreaVector(v.position, s.from, s.to)) / opposite;
+      if (s.opposite2 <= 0) continue;
+      const double w = Norm(AreaVector(v.position, s.from, s.to)) / s.opposite2;
       sum += w / 3 * (v.position + s.from + s.to);
       weights += w;
     }
     if (weights <= 0) continue;
     const Vec3 offset = sum / weights - v.position;
-    double worst = WorstAround(v.position, v.source.normal, MinSine);
-    TryMove(id, v.position + offset - Dot(offset, v.source.normal) * v.source.normal, MinSine, worst);
+    double worst = WorstAround(v.position, v.source.normal, kMinSine, kNoFloor);
+    TryMove(id, v.position + offset - Dot(offset, v.source.normal) * v.source.normal, kMinSine, worst);
   }
 }
 
 void SettlingWindow::SearchSweep() {
   for (const WindowVertexId id : chosen_) {
     WindowVertex& v = fronts_.at(id);
-    if (!v.alive || !GatherRing(id)) continue;
-    double worst = WorstAround(v.position, v.source.normal, RadiusRatio);
+    if (!is_search_due_[id.index()] || !v.alive || !GatherRing(id)) continue;
+    is_search_due_[id.index()] = false;
+    double worst = WorstAround(v.position, v.source.normal, kRadiusRatio, kNoFloor);
     if (worst >= kSearchBelow) continue;
     double spoke = 0;
     for (const Spoke& s : ring_) spoke += Distance(v.position, s.from) / static_cast<double>(ring_.size());
@@ -203,22 +264,26 @@ void SettlingWindow::SearchSweep() {
       for (const auto& [x, y] :
            {std::pair{1.0, 0.0}, {0.5, 0.866}, {-0.5, 0.866}, {-1.0, 0.0}, {-0.5, -0.866}, {0.5, -0.866}}) {
         const Vec3 target = start + step * spoke * (x * u + y * w);
-        const double trial = WorstAround(target, n, RadiusRatio);
+        const double trial = WorstAround(target, n, kRadiusRatio, best_worst);
         if (trial > best_worst) best = target, best_worst = trial;
       }
-      if (best_worst > worst) TryMove(id, best, RadiusRatio, worst);
+      if (best_worst > worst) TryMove(id, best, kRadiusRatio, worst);
     }
   }
 }
 
 // Loops along which every triangulation is bad leave slivers around vertices that flips and moves can't save: a corner of one goes.
 void SettlingWindow::RemovalSweep() {
+  const uint32_t since = last_removals_;
+  last_removals_ = ++clock_;
   for (const WindowTriangleId id : around_) {
+    if (changed_[id.index()] < since) continue;
     for (int i = 0; i < 3; ++i) {
       const WindowTriangle& t = fronts_.at(id);
       if (!t.alive) break;
       const auto place = [&](int corner) { return fronts_.at(t.corners[corner]).position; };
       if (RadiusRatio(place(0), place(1), place(2)) >= kSliver) break;
+      NoteChange(id);  // what is around it may change: the next sweep looks again
       if (TryRemoval(t.corners[i])) break;
     }
   }
@@ -262,7 +327,7 @@ bool SettlingWindow::TryRemoval(WindowVertexId id) {
     for (FrontEdgeId e = fronts_.at(base).next; e != base; e = fronts_.at(e).next) {
       if (fronts_.From(e) == ring[s.apex]) corner = e;
     }
-    fronts_.Connect(base, corner, TriangleKind::kClosing);
+    NoteChange(fronts_.Connect(base, corner, TriangleKind::kClosing).triangle);
   }
   return true;
 }
@@ -329,8 +394,8 @@ void SettlingWindow::FitVertex(WindowVertexId id) {
   for (const Spoke& s : ring_) {
     const double area = 0.5 * Norm(AreaVector(v.position, s.from, s.to));
     total_area += area;
-    least_edge2 = std::min(least_edge2, std::max({SquaredDistance(s.from, s.to), SquaredDistance(v.position, s.from),
-                                                  SquaredDistance(v.position, s.to)}));
+    least_edge2 = std::min(
+        least_edge2, std::max({s.opposite2, SquaredDistance(v.position, s.from), SquaredDistance(v.position, s.to)}));
     spoke += Distance(v.position, s.from) / static_cast<double>(ring_.size());
     const Feet& feet = feet_[place_in_around_[s.triangle.index()]];
     sample((v.position + s.from + s.to) / 3.0, feet.centroid, 0.45 * area, 1.0 / 3);
@@ -343,8 +408,9 @@ void SettlingWindow::FitVertex(WindowVertexId id) {
   const double bound = std::min(options_.max_error, options_.error_per_length * std::sqrt(least_edge2));
   const double limit = std::min(kMaxFitPerLength * spoke, kFitPerErrorBound * bound);
   const Vec3 target = v.source.position + std::clamp(offset, -limit, limit) * n;
-  const double before = WorstAround(v.position, n, RadiusRatio), after = WorstAround(target, n, RadiusRatio);
-  if (after >= kFitMayLoseQuality * before && after >= 0) v.position = target;
+  const double floor = kFitMayLoseQuality * WorstAround(v.position, n, kRadiusRatio, kNoFloor);
+  const double after = WorstAround(target, n, kRadiusRatio, floor);
+  if (after >= floor && after >= 0) v.position = target;
 }
 
 void SettlingWindow::FitSweep() {
@@ -356,6 +422,10 @@ void SettlingWindow::FitSweep() {
 std::vector<WindowTriangleId> SettlingWindow::Improve(const Context& context) {
   MeasureDepth();
   ChooseVertices();
+  clock_ = 1, last_flips_ = last_removals_ = 0;
+  changed_.assign(fronts_.triangle_slots(), clock_);
+  sines_.resize(fronts_.triangle_slots());
+  is_search_due_.assign(fronts_.vertex_slots(), true);
   const auto stopped = [&] { return !context.CheckStop().ok(); };
   for (int sweep = 0; sweep < kImproveSweeps && !stopped(); ++sweep) {
     if (options_.flips) FlipSweep();
@@ -452,19 +522,18 @@ std::vector<std::pair<WindowTriangleId, WindowTriangleId>> SettlingWindow::FindI
     return false;
   };
   const TriangleBvh bvh(positions, triangles);
-  std::vector<std::pair<WindowTriangleId, WindowTriangleId>> found;
-  for (uint32_t i = 0; i < triangles.size(); ++i) {
-    if (!Leaves(ids[i])) continue;
+  std::vector<uint8_t> leaves(triangles.size());
+  for (uint32_t i = 0; i < triangles.size(); ++i) leaves[i] = Leaves(ids[i]);
+  std::vector<std::pair<uint32_t, uint32_t>> found;
+  bvh.VisitOverlappingPairs([&](FaceId f, FaceId g) {
+    uint32_t i = f.index(), j = g.index();
+    if (!(leaves[i] || leaves[j]) || share_simple_star(triangles[i], triangles[j])) return;
+    if (leaves[i] == leaves[j] ? j < i : leaves[j]) std::swap(i, j);  // i leaves, the elder if both do
     const Vec3 a[3] = {place(triangles[i], 0), place(triangles[i], 1), place(triangles[i], 2)};
-    bvh.VisitOverlaps(bvh.BoxOf(FaceId(i)), [&](FaceId f) {
-      const uint32_t j = f.index();
-      if (j == i || share_simple_star(triangles[i], triangles[j]) || (j < i && Leaves(ids[j]))) return true;
-      const Vec3 b[3] = {place(triangles[j], 0), place(triangles[j], 1), place(triangles[j], 2)};
-      if (TrianglesIntersect(a, b, SharedCornersOf(triangles[i], triangles[j]))) found.push_back({ids[i], ids[j]});
-      return true;
-    });
-  }
-  return found;
+    const Vec3 b[3] = {place(triangles[j], 0), place(triangles[j], 1), place(triangles[j], 2)};
+    if (TrianglesIntersect(a, b, SharedCornersOf(triangles[i], triangles[j]))) found.push_back({i, j});
+  });
+  return InOrder(found, bvh.order(), ids);
 }
 
 std::vector<WindowTriangleId> SettlingWindow::Audit() {

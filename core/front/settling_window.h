@@ -76,10 +76,12 @@ class SettlingWindow {
   void FitSweep();
   void FitVertex(WindowVertexId id);
   bool GatherRing(WindowVertexId v);  // fills ring_; false when the fan is not closed
-  double WorstAround(const Vec3& place, const Vec3& normal,
-                     double (*measure)(const Vec3&, const Vec3&, const Vec3&)) const;
-  bool TryMove(WindowVertexId v, const Vec3& target, double (*measure)(const Vec3&, const Vec3&, const Vec3&),
-               double& worst);
+  template <class Measure>
+  double WorstAround(const Vec3& place, const Vec3& normal, Measure measure, double floor) const;
+  template <class Measure>
+  bool TryMove(WindowVertexId v, const Vec3& target, Measure measure, double& worst);
+  double SineOf(WindowTriangleId t) const;
+  void NoteChange(WindowTriangleId t);
   std::vector<WindowTriangleId> Audit();
   bool Leaves(WindowTriangleId t) const;
   VertexId NameOf(const WindowVertex& v, std::vector<OutputVertex>& vertices);
@@ -90,7 +92,8 @@ class SettlingWindow {
 
   // The ring around a vertex: the corners opposite in each triangle, in order around it.
   struct Spoke {
-    Vec3 from, to;  // the triangle is (vertex, from, to)
+    Vec3 from, to;     // the triangle is (vertex, from, to)
+    double opposite2;  // squared distance between the two
     WindowTriangleId triangle;
     int corner;  // the vertex's in it
   };
@@ -109,6 +112,11 @@ class SettlingWindow {
   std::vector<WindowTriangleId> around_;   // the triangles that have a chosen corner, by id
   std::vector<Feet> feet_;                 // of around_
   std::vector<uint32_t> place_in_around_;  // of every triangle slot
+  // What the sweeps of one Improve need not look at again. The clock counts sweeps of flips and removals.
+  uint32_t clock_ = 0, last_flips_ = 0, last_removals_ = 0;
+  std::vector<uint32_t> changed_;       // of every triangle slot: when a corner moved, or it was made
+  std::vector<double> sines_;           // of every triangle slot: of its smallest angle, as of the last sweep of flips
+  std::vector<uint8_t> is_search_due_;  // of every vertex slot: something around it changed
   std::vector<WindowTriangleId> slivers_;
   std::vector<Vec3> faults_;
   uint32_t next_output_ = 0;

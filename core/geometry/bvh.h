@@ -62,6 +62,11 @@ class TriangleBvh {
   // Calls visit(FaceId) for each triangle whose bounding box meets `box` (touching counts), until visit returns false.
   template <class Visit>
   void VisitOverlaps(const Box3& box, Visit&& visit) const;
+  // Calls visit(FaceId, FaceId) once for each pair of triangles whose bounding boxes meet. O(n) for surfaces.
+  template <class Visit>
+  void VisitOverlappingPairs(Visit&& visit) const;
+  // The faces in the order in which VisitOverlaps comes by them.
+  absl::Span<const uint32_t> order() const { return order_; }
 
   const Box3& bounds() const { return bounds_; }
   Box3 BoxOf(FaceId f) const;
@@ -85,6 +90,7 @@ class TriangleBvh {
   void SetBox(uint32_t node, const Box3& box);
   Vec3 ToFrame(const Vec3& p) const { return scale_ * (p - center_); }
   static double SquaredDistance(const Node& node, const Vec3& q);
+  static bool Meet(const Node& a, const Node& b);
   static bool IsHit(const Node& node, const Ray& ray, double* entry);
   Ray RayInFrame(const Vec3& origin, const Vec3& direction, double t0, double t1) const;
   std::optional<SegmentHit> HitFace(FaceId f, const Vec3& origin, const Vec3& direction) const;
@@ -209,6 +215,53 @@ void TriangleBvh::VisitOverlaps(const Box3& box, Visit&& visit) const {
       if (meets && !visit(f)) return;
     }
     if (node.count == 0) stack[depth++] = node.first + 1, stack[depth++] = node.first;
+  }
+}
+
+inline bool TriangleBvh::Meet(const Node& a, const Node& b) {
+  for (int i = 0; i < 3; ++i) {
+    if (a.max[i] < b.min[i] || b.max[i] < a.min[i]) return false;
+  }
+  return true;
+}
+
+// Both trees, the same twice, are gone down together.
+template <class Visit>
+void TriangleBvh::VisitOverlappingPairs(Visit&& visit) const {
+  if (nodes_.empty()) return;
+  std::vector<Box3> boxes;  // in the order of order_
+  boxes.reserve(order_.size());
+  for (const uint32_t f : order_) boxes.push_back(BoxOf(FaceId(f)));
+  const auto meet = [](const Box3& a, const Box3& b) {
+    return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y && a.min.z <= b.max.z &&
+           b.min.z <= a.max.z;
+  };
+  const auto visit_leaves = [&](const Node& a, const Node& b) {
+    for (uint32_t i = a.first; i < a.first + a.count; ++i) {
+      for (uint32_t j = &a == &b ? i + 1 : b.first; j < b.first + b.count; ++j) {
+        if (meet(boxes[i], boxes[j])) visit(FaceId(order_[i]), FaceId(order_[j]));
+      }
+    }
+  };
+  std::vector<std::pair<uint32_t, uint32_t>> stack = {{0, 0}};
+  const auto push = [&](uint32_t a, uint32_t b) {
+    if (a == b || Meet(nodes_[a], nodes_[b])) stack.push_back({a, b});
+  };
+  while (!stack.empty()) {
+    const auto [a, b] = stack.back();
+    stack.pop_back();
+    const Node &at_a = nodes_[a], &at_b = nodes_[b];
+    if (at_a.count > 0 && at_b.count > 0) {
+      visit_leaves(at_a, at_b);
+    } else if (a == b) {
+      push(at_a.first, at_a.first), push(at_a.first + 1, at_a.first + 1), push(at_a.first, at_a.first + 1);
+    } else if (at_a.count > 0) {
+      push(a, at_b.first), push(a, at_b.first + 1);
+    } else if (at_b.count > 0) {
+      push(at_a.first, b), push(at_a.first + 1, b);
+    } else {
+      for (const uint32_t child : {at_a.first, at_a.first + 1}) push(child, at_b.first), push(child, at_b.first + 1);
+    }
   }
 }
 

@@ -115,9 +115,7 @@ double RadiusRatio(const Vec3& a, const Vec3& b, const Vec3& c) {
     const double double_area = DoubleAreaOfNeedle(ab, bc, ca);
     double_area2 = double_area * double_area;
   }
-  const double x = std::sqrt(ab2), y = std::sqrt(bc2), z = std::sqrt(ca2);
-  const double denominator = x * y * z * (x + y + z);
-  return denominator > 0 ? std::min(1.0, 4 * double_area2 / denominator) : 0;
+  return RadiusRatioOfSquares(ab2, bc2, ca2, double_area2);
 }
 
 double RadiusRatioOfSides(double a, double b, double c) {

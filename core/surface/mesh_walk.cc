@@ -1,5 +1,5 @@
-// DescendToClosest: 1. run ahead over the side that the target lies beyond (WalkTowards), which is cheap; 2. ClosestOnFace there,
-// if that is closer than at the start; 3. if the point lies inside, done; 4. on an edge look across it, at a corner look around
+// DescendToClosest: 1. run ahead over the side that the target lies beyond (WalkTowards), which is cheap; 2. ClosestOnFrame
+// there, if that is closer than at the start; 3. if the point lies inside, done; 4. on an edge look across it, at a corner look around
 // it (ClosestAround); 5. move while the distance strictly decreases. The distance of a face is a function of the face alone, so a
 // strict decrease can't come back to one.
 // WalkToCircle: 1. descend to the face under the circle's middle of the open side; 2. cross the circle with that face's plane;
@@ -19,6 +19,10 @@ namespace meshfront {
 namespace {
 
 using namespace surface_tolerances;
+
+// When the closest point of a face can be bounded at once: the squared sine at its corner 0 is above this, and the target
+// lies beyond a side by this part of the height over it.
+constexpr double kFlatSineSquared = 1e-6, kClearlyBeyond = 1e-3;
 
 constexpr int Next(int corner) { return corner == 2 ? 0 : corner + 1; }
 constexpr int Previous(int corner) { return corner == 0 ? 2 : corner - 1; }
@@ -66,37 +70,85 @@ WalkPoint ClosestAround(const FaceView& mesh, const WalkPoint& best, const Vec3&
   }
 }
 
-// Where the target lies against a face, seen along its normal: weights of the corners times `det`, which is 4 × area².
-struct PlaneWeights {
-  double w, u, v, det;
+// Two doubles side by side. Each lane rounds as a scalar does, so pairs change no bit.
+typedef double Pair __attribute__((vector_size(16)));
+inline Pair Swapped(const Pair& p) { return Pair{p[1], p[0]}; }
+
+// A face as the target sees it: its sides from corner 0, their products, and where the target lies along its normal: weights
+// of corner 1 and 2 times `det`, which is 4 × area². Pairs belong to these two corners.
+struct FaceFrame {
+  const Vec3* corner;
+  Pair x, y, z;    // the sides
+  Pair squares;    // their squared lengths
+  double product;  // their dot product
+  double det, u, v;
+
+  FaceFrame(const FaceView& mesh, uint32_t face, const Vec3& target) {
+    const Vec3 &a = mesh.Corner(face, 0), &b = mesh.Corner(face, 1), &c = mesh.Corner(face, 2);
+    corner = &a;
+    x = Pair{b.x, c.x} - a.x, y = Pair{b.y, c.y} - a.y, z = Pair{b.z, c.z} - a.z;
+    squares = x * x + y * y + z * z;
+    product = x[0] * x[1] + y[0] * y[1] + z[0] * z[1];
+    const Pair along = (target.x - a.x) * x + (target.y - a.y) * y + (target.z - a.z) * z;
+    det = squares[0] * squares[1] - product * product;
+    const Pair weights = Swapped(squares) * along - product * Swapped(along);
+    u = weights[0], v = weights[1];
+  }
+  bool IsInside() const { return det > 0 && u >= 0 && v >= 0 && u + v <= det; }
+  FaceHit HitInside(uint32_t face) const {
+    const double s = u / det, t = v / det;
+    return {face, s, t, *corner + s * Vec3{x[0], y[0], z[0]} + t * Vec3{x[1], y[1], z[1]}};
+  }
+  // Whether no point of the face is as near as that, seen at once: the target lies beyond one of its sides by more.
+  bool IsFartherThan(double squared_distance) const {
+    if (!(det > kFlatSineSquared * squares[0] * squares[1])) return false;
+    const auto is_beyond = [&](double weight, double side2) {
+      return weight < -kClearlyBeyond * det && squared_distance * det * side2 < 0.5 * weight * weight;
+    };
+    return is_beyond(u, squares[1]) || is_beyond(v, squares[0]) ||
+           is_beyond(det - u - v, squares[0] + squares[1] - 2 * product);
+  }
 };
-inline PlaneWeights WeightsInPlane(const FaceView& mesh, uint32_t face, const Vec3& target) {
-  const Vec3& a = mesh.Corner(face, 0);
-  const Vec3 e1 = mesh.Corner(face, 1) - a, e2 = mesh.Corner(face, 2) - a, d = target - a;
-  const double g11 = SquaredNorm(e1), g12 = Dot(e1, e2), g22 = SquaredNorm(e2);
-  const double b1 = Dot(d, e1), b2 = Dot(d, e2), det = g11 * g22 - g12 * g12;
-  const double u = g22 * b1 - g12 * b2, v = g11 * b2 - g12 * b1;
-  return {det - u - v, u, v, det};
+
+WalkPoint ClosestOnFrame(const FaceView& mesh, uint32_t face, const FaceFrame& frame, const Vec3& target) {
+  WalkPoint best;
+  if (frame.IsInside()) {
+    best.hit = frame.HitInside(face);
+    best.squared_distance = SquaredDistance(target, best.hit.position);
+    return best;
+  }
+  // Only an edge that the target lies beyond can hold the closest point; a face without area has no inside, so all can.
+  best.squared_distance = INFINITY;
+  best.hit = {face, 0, 0, *frame.corner};
+  best.region = 4;
+  const bool flat = !(frame.det > 0);
+  if (flat || frame.v < 0) KeepCloserOnEdge(mesh, face, 0, target, best);
+  if (flat || frame.u + frame.v > frame.det) KeepCloserOnEdge(mesh, face, 1, target, best);
+  if (flat || frame.u < 0) KeepCloserOnEdge(mesh, face, 2, target, best);
+  return best;
 }
 
-// The face over which the target lies, or where the way there ends: at a rim, at a ridge (the way back is the only one), or in a
-// circle, found by comparing with the face of the last step that was a power of two.
-uint32_t WalkTowards(const FaceView& mesh, uint32_t start, const Vec3& target) {
-  uint32_t face = start, before = kNoHalfEdge, marked = start;
+// From `face`, whose frame is given, to the face over which the target lies, or where the way there ends: at a rim, at a
+// ridge (the way back is the only one), or in a circle, found by comparing with the face of the last step that was a power
+// of two. The frame becomes that face's.
+uint32_t WalkTowards(const FaceView& mesh, uint32_t face, const Vec3& target, FaceFrame& frame) {
+  uint32_t before = kNoHalfEdge, marked = face;
   for (uint32_t step = 1, mark = 1; step < kMaxWalkSteps; ++step) {
-    const PlaneWeights at = WeightsInPlane(mesh, face, target);
-    const double beyond[3] = {-at.v, -at.w, -at.u};  // half-edge i faces the corner of this weight
+    const double beyond[3] = {-frame.v, -(frame.det - frame.u - frame.v),
+                              -frame.u};  // of the corner that half-edge i faces
     uint32_t next = kNoHalfEdge;
     double farthest = 0;
     for (int side = 0; side < 3; ++side) {
+      if (!(beyond[side] > farthest)) continue;
       const uint32_t across = mesh.opposite[3 * face + side];
-      if (!(beyond[side] > farthest) || across == kNoHalfEdge || across / 3 == before) continue;
+      if (across == kNoHalfEdge || across / 3 == before) continue;
       farthest = beyond[side];
       next = across / 3;
     }
-    if (next == kNoHalfEdge || next == marked) return face;
+    if (next == kNoHalfEdge || next == marked) break;
     before = face;
     face = next;
+    frame = FaceFrame(mesh, face, target);
     if (step == mark) marked = face, mark *= 2;
   }
   return face;
@@ -105,36 +157,18 @@ uint32_t WalkTowards(const FaceView& mesh, uint32_t start, const Vec3& target) {
 }  // namespace
 
 WalkPoint ClosestOnFace(const FaceView& mesh, uint32_t face, const Vec3& target) {
-  const Vec3& a = mesh.Corner(face, 0);
-  const Vec3 e1 = mesh.Corner(face, 1) - a, e2 = mesh.Corner(face, 2) - a, d = target - a;
-  const double g11 = SquaredNorm(e1), g12 = Dot(e1, e2), g22 = SquaredNorm(e2);
-  const double b1 = Dot(d, e1), b2 = Dot(d, e2);
-  const double det = g11 * g22 - g12 * g12;
-  const double s = g22 * b1 - g12 * b2, t = g11 * b2 - g12 * b1;
-  WalkPoint best;
-  if (det > 0 && s >= 0 && t >= 0 && s + t <= det) {
-    const double u = s / det, v = t / det;
-    best.hit = {face, u, v, a + u * e1 + v * e2};
-    best.squared_distance = SquaredDistance(target, best.hit.position);
-    return best;
-  }
-  // Only an edge that the target lies beyond can hold the closest point; a face without area has no inside, so all can.
-  best.squared_distance = INFINITY;
-  best.hit = {face, 0, 0, a};
-  best.region = 4;
-  const bool flat = !(det > 0);
-  if (flat || t < 0) KeepCloserOnEdge(mesh, face, 0, target, best);
-  if (flat || s + t > det) KeepCloserOnEdge(mesh, face, 1, target, best);
-  if (flat || s < 0) KeepCloserOnEdge(mesh, face, 2, target, best);
-  return best;
+  return ClosestOnFrame(mesh, face, FaceFrame(mesh, face, target), target);
 }
 
 FaceHit DescendToClosest(const FaceView& mesh, uint32_t start, const Vec3& target) {
-  WalkPoint best = ClosestOnFace(mesh, start, target);
-  if (best.region != 0) {
-    const uint32_t ahead = WalkTowards(mesh, start, target);
-    const WalkPoint there = ahead == start ? best : ClosestOnFace(mesh, ahead, target);
-    if (there.squared_distance < best.squared_distance) best = there;
+  const FaceFrame at_start(mesh, start, target);
+  if (at_start.IsInside()) return at_start.HitInside(start);
+  FaceFrame frame = at_start;
+  const uint32_t ahead = WalkTowards(mesh, start, target, frame);
+  WalkPoint best = ClosestOnFrame(mesh, ahead, frame, target);
+  if (ahead != start && !at_start.IsFartherThan(best.squared_distance)) {
+    const WalkPoint here = ClosestOnFrame(mesh, start, at_start, target);
+    if (!(best.squared_distance < here.squared_distance)) best = here;
   }
   while (best.region != 0) {
     WalkPoint other;

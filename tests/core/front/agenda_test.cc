@@ -67,18 +67,22 @@ TEST(Agenda, ForgetsACancelledEdge) {
 // The order is a function of what is on the agenda, not of the order in which it came.
 TEST(Agenda, DoesNotDependOnTheOrderOfPushes) {
   std::mt19937_64 random(1);
-  std::vector<Agenda::Entry> entries;
-  for (uint32_t i = 0; i < 300; ++i) {
-    entries.push_back({AgendaStage(random() % 3), static_cast<float>(random() % 5) / 4, i, FrontEdgeId(i), 0});
-  }
+  struct Push {
+    AgendaStage stage;
+    double ratio;
+    uint32_t birth;
+  };
+  std::vector<Push> pushes;
+  for (uint32_t i = 0; i < 300; ++i)
+    pushes.push_back({AgendaStage(random() % 3), static_cast<double>(random() % 5) / 4, i});
   std::vector<uint32_t> first;
   for (int round = 0; round < 5; ++round) {
     Agenda agenda;
-    for (const Agenda::Entry& e : entries) agenda.Push(e.stage, e.ratio, e.birth, e.edge);
+    for (const Push& p : pushes) agenda.Push(p.stage, p.ratio, p.birth, FrontEdgeId(p.birth));
     const std::vector<uint32_t> order = Drain(agenda);
     if (round == 0) first = order;
     EXPECT_EQ(order, first);
-    std::shuffle(entries.begin(), entries.end(), random);
+    std::shuffle(pushes.begin(), pushes.end(), random);
   }
 }
 

@@ -78,6 +78,35 @@ TEST(FenceIndex, FindsWhatLookingAtEverythingFinds) {
   EXPECT_GT(hits, 5000u);
 }
 
+// Two indices of the same edges, one with its eye on a ball around some of them, before and after edges come and go.
+TEST(FenceIndex, FindsTheSameInFocusAndOutOfIt) {
+  GradedEdges edges(2);
+  FenceIndex plain(edges.fronts), focused(edges.fronts);
+  std::vector<FrontEdgeId> inside;
+  size_t hits = 0;
+  for (int round = 0; round < 400; ++round) {
+    for (int i = 0; i < 3; ++i) {
+      for (const FrontEdgeId e : edges.AddLoop()) plain.Insert(e), focused.Insert(e), inside.push_back(e);
+    }
+    for (int i = 0; i < 4; ++i) {
+      std::swap(inside[edges.random() % inside.size()], inside.back());
+      plain.Erase(inside.back()), focused.Erase(inside.back());
+      inside.pop_back();
+    }
+    const Vec3 place = edges.fronts.at(edges.fronts.From(inside[edges.random() % inside.size()])).position;
+    const double radius = std::exp2(edges.Uniform(-10, 12));
+    if (round % 5 == 0) focused.Focus(place, 4 * radius, Normalized(edges.Place(1)));
+    if (round % 50 == 49) focused.EndFocus();
+    std::vector<FrontEdgeId> expected, got;
+    plain.Query(place, radius, expected);
+    focused.Query(place, radius, got);
+    std::sort(expected.begin(), expected.end()), std::sort(got.begin(), got.end());
+    ASSERT_EQ(got, expected) << "round " << round;
+    hits += got.size();
+  }
+  EXPECT_GT(hits, 1000u);
+}
+
 TEST(FenceIndex, LooksAtLittleMoreThanWhatIsNear) {
   GradedEdges edges(2);
   FenceIndex index(edges.fronts);

@@ -156,6 +156,24 @@ TEST(TriangleBvh, VisitsEveryTriangleWhoseBoxMeetsTheBox) {
   EXPECT_EQ(visited, 5);
 }
 
+// All pairs against all.
+TEST(TriangleBvh, VisitsEveryPairWhoseBoxesMeetOnce) {
+  const Soup soup = RandomSoup(300, 0.3, {}, 6);
+  const TriangleBvh bvh(soup.positions, soup.triangles);
+  std::set<std::pair<uint32_t, uint32_t>> expected, got;
+  for (uint32_t f = 0; f < soup.triangles.size(); ++f) {
+    bvh.VisitOverlaps(bvh.BoxOf(FaceId(f)), [&](FaceId g) {
+      if (f < g.index()) expected.insert({f, g.index()});
+      return true;
+    });
+  }
+  bvh.VisitOverlappingPairs([&](FaceId f, FaceId g) {
+    EXPECT_TRUE(got.insert(std::minmax(f.index(), g.index())).second) << "a pair came twice";
+  });
+  EXPECT_EQ(got, expected);
+  EXPECT_GT(got.size(), 100u);
+}
+
 TEST(TriangleBvh, FlatAndTinyInputsWork) {
   Soup soup;
   soup.positions = {{0, 0, 0}, {1e-300, 0, 0}, {0, 1e-300, 0}, {0, 0, 0}};
