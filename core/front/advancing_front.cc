@@ -15,8 +15,8 @@
 // triangles exist, and nothing could settle (rejected).
 //
 // Edges without an acceptable triangle wait until everything else is done, then the ladder: the tests relaxed in named stages,
-// the loop closed by a minimum-weight triangulation, the place taken back and advanced again at finer steps, the loop closed by
-// whatever keeps the mesh manifold, and at last the place reported.
+// the loop closed by a minimum-weight triangulation, the place taken back and advanced again at finer steps, then connections and
+// closures that hardly look at normals, and at last the place reported.
 #include "core/front/advancing_front.h"
 
 #include <algorithm>
@@ -28,6 +28,7 @@
 #include <queue>
 
 #include "absl/container/flat_hash_map.h"
+#include "absl/functional/function_ref.h"
 #include "core/base/status_macros.h"
 #include "core/front/agenda.h"
 #include "core/front/closure.h"
@@ -50,8 +51,10 @@ constexpr double kFocusPerArea = 1.4;  // what the edges of an area look at reac
 constexpr size_t kWorthAFocus = 6;     // edges to search a connection for
 constexpr double kGoodEar =
     0.45;  // pseudo-angle (ClockwiseTurn) of 39°: an edge whose ear is this good is not searched at once
-constexpr int kStepsBetweenChecks = 64;    // of the stop flag and the clock: well under a millisecond
-constexpr size_t kMinSettleBatch = 3000;   // triangles, before the window is worth a sweep
+constexpr int kStepsBetweenChecks = 64;   // of the stop flag and the clock: well under a millisecond
+constexpr size_t kMinSettleBatch = 3000;  // triangles, before the window is worth a sweep
+// Stage of kStrictness that hardly looks at normals and may fold the mesh: taken only where closing and rolling back have failed.
+constexpr size_t kMayFold = 3;
 constexpr int kMaxLoopToTriangulate = 64;  // edges; the triangulation is cubic
 constexpr double kRollBackLength = 0.7;    // of g, where the front has to advance again
 constexpr size_t kMaxRollBacksAtAPlace = 5;
@@ -133,6 +136,7 @@ class AdvancingFront {
 
   absl::Status Settle(bool everything);
   bool RescueStuck();  // the next rung of the ladder; false when nothing is left to do
+  void RescueLoops(const std::vector<EdgeRef>& stuck, absl::FunctionRef<bool(const std::vector<FrontEdgeId>&)> rescue);
   std::vector<FrontEdgeId> LoopOf(FrontEdgeId edge) const;
   bool CloseLoop(const std::vector<FrontEdgeId>& loop, const Strictness& strictness);
   bool RollBackLoop(const std::vector<FrontEdgeId>& loop);
@@ -500,26 +504,18 @@ bool AdvancingFront::RescueStuck() {
   else
     ++strictness_;
   steps_at_last_rescue_ = steps_;
-  if (strictness_ < kStrictness.size()) {
-    for (const EdgeRef& r : stuck) {
-      StateOf(r.edge).stuck = false;
-      Wait(r);
-    }
-    return true;
-  }
-  // Nothing acceptable at any strictness: loop by loop.
-  strictness_ = 0;
-  for (const EdgeRef& r : stuck) {
-    if (!fronts_.IsAlive(r.edge, r.generation) || StateOf(r.edge).abandoned || !StateOf(r.edge).stuck) continue;
-    const std::vector<FrontEdgeId> loop = LoopOf(r.edge);
-    // Taken back since by another loop's rescue: it can advance again.
-    if (!std::all_of(loop.begin(), loop.end(), [&](FrontEdgeId e) { return StateOf(e).stuck; })) continue;
-    if (CloseLoop(loop, kStrictness[2]) || RollBackLoop(loop) || CloseLoop(loop, kStrictness[3]) ||
-        CloseLoop(loop, kRegardlessOfNormals)) {
-      ++steps_;
-    } else {
+  if (strictness_ == kMayFold) {
+    RescueLoops(stuck, [this](const std::vector<FrontEdgeId>& loop) {
+      return CloseLoop(loop, kStrictness[kMayFold - 1]) || RollBackLoop(loop);
+    });
+    if (steps_ != steps_at_last_rescue_) strictness_ = 0;
+  } else if (strictness_ >= kStrictness.size()) {
+    strictness_ = 0;
+    RescueLoops(stuck, [this](const std::vector<FrontEdgeId>& loop) {
+      if (CloseLoop(loop, kStrictness[kMayFold]) || CloseLoop(loop, kRegardlessOfNormals)) return true;
       Abandon(loop);
-    }
+      return false;
+    });
   }
   for (const EdgeRef& r : stuck) {
     if (!fronts_.IsAlive(r.edge, r.generation) || StateOf(r.edge).abandoned) continue;
@@ -527,6 +523,18 @@ bool AdvancingFront::RescueStuck() {
     Wait(r);
   }
   return true;
+}
+
+// Loop by loop. `rescue` tells whether it took a step.
+void AdvancingFront::RescueLoops(const std::vector<EdgeRef>& stuck,
+                                 absl::FunctionRef<bool(const std::vector<FrontEdgeId>&)> rescue) {
+  for (const EdgeRef& r : stuck) {
+    if (!fronts_.IsAlive(r.edge, r.generation) || StateOf(r.edge).abandoned || !StateOf(r.edge).stuck) continue;
+    const std::vector<FrontEdgeId> loop = LoopOf(r.edge);
+    // Taken back since by another loop's rescue: it can advance again.
+    if (!std::all_of(loop.begin(), loop.end(), [&](FrontEdgeId e) { return StateOf(e).stuck; })) continue;
+    steps_ += rescue(loop);
+  }
 }
 
 bool AdvancingFront::CloseLoop(const std::vector<FrontEdgeId>& loop, const Strictness& strictness) {
