@@ -26,6 +26,10 @@ using Clock = std::chrono::steady_clock;
 // Of the front before it is stopped. Predictions are right to a tenth; what goes so far beyond folds over itself.
 constexpr uint64_t kMaxPerPredicted = 2, kMaxBeyondPredicted = 20000;
 
+// Vertices for each triangle that may be added where the error is largest when a number of triangles is wanted: the maximum is made by
+// few places. As it goes; and in all, counting only what is far beyond the bound from there on.
+constexpr double kInsertionsForCount = 0.005, kMostInsertionsForCount = 0.0185;
+
 double SecondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 // Hands pieces on, in the scale of the input, and notes when the first came.
@@ -132,14 +136,15 @@ void Scale(Preparation& p, Report& report) {
   for (Vec3& place : report.open_places) place = place / p.scale;
 }
 
-// Triangles are not refined until they keep max_error (yet): what exceeds it is said.
+// Where refinement could not keep max_error: beside edges that may not be shorter. Where a count is wanted it is not asked for.
 void WarnOfDeviations(const FrontReport& front, double scale, Report& report) {
   if (front.beyond_max_error == 0) return;
   const double largest = front.largest_deviation / scale;
+  report.error_bound = std::max(report.error_bound, largest);
+  if (report.parameters.target_triangles > 0) return;
   report.warnings.push_back(absl::StrCat(front.beyond_max_error, " of ", front.triangles,
                                          " triangles are farther from the surface than ", "max_error (",
-                                         report.error_bound, "), by up to ", largest));
-  report.error_bound = std::max(report.error_bound, largest);
+                                         report.parameters.options.max_error->value, "), by up to ", largest));
 }
 
 }  // namespace
@@ -178,7 +183,10 @@ absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& co
       .predicted_triangles = predicted,
       .max_triangles = kMaxPerPredicted * predicted + kMaxBeyondPredicted,
       .sweep = LongestAxis(p.surface->mesh()),
-      .max_error = o.sizing == Sizing::kError ? p.parameter : std::numeric_limits<double>::infinity()};
+      .max_error = o.sizing == Sizing::kError ? p.parameter : std::numeric_limits<double>::infinity(),
+      .insertions = p.parameters.target_triangles > 0
+                        ? InsertionLimits{kInsertionsForCount, kMostInsertionsForCount * p.predicted_triangles}
+                        : InsertionLimits{}};
   MESHFRONT_ASSIGN_OR_RETURN(const FrontReport front,
                              AdvanceFront(*p.surface, *p.field, p.loops, p.seeds, options, outgoing, context));
   if (front.triangles == 0) return NothingMeshed(front, p.scale);

@@ -29,8 +29,9 @@ struct RemeshOptions {
   double rho = 0.8;  // angle an edge subtends, radians, (0, 2π/3]
   double eta = 1.2;  // bound on the ratio of incident edges, (1, 2)
   Sizing sizing = Sizing::kAngle;
-  std::optional<Length>
-      max_error;  // distance of the output from the surface; only with Sizing::kError; 0.1 % of the diagonal
+  // Distance of the output from the surface, verified for every triangle before it settles; only with Sizing::kError; 0.1 % of the
+  // diagonal. With target_triangles the one that was solved for, kept as far as the count leaves room.
+  std::optional<Length> max_error;
   std::optional<Length> edge_length;  // the median edge; only with Sizing::kUniform, which needs it or target_triangles
   // Solves for the one parameter of the sizing (rho, max_error or edge_length, which must not be set then; rho's value is
   // ignored) so that about this many triangles come out, ≥ 4.

@@ -91,7 +91,9 @@ class AdvancingFront {
         fences_(fronts_),
         proposer_(surface, fronts_, fences_),
         window_(surface, fronts_,
-                {options.flips, options.smooth, options.fit, options.error_per_length, options.max_error}, sink) {}
+                {options.flips, options.smooth, options.fit, options.error_per_length, options.max_error,
+                 field.options().min_length, options.insertions},
+                sink) {}
 
   absl::StatusOr<FrontReport> Run(const std::vector<OrientedLoop>& loops, const std::vector<SourcePoint>& seeds);
 
@@ -682,7 +684,9 @@ void AdvancingFront::SeedAgain(const SourcePoint& seed, uint32_t label) {
 }
 
 bool AdvancingFront::HasRunAway() const {
-  return options_.max_triangles > 0 && window_.counts().triangles + fronts_.triangle_count() > options_.max_triangles;
+  const SettledCounts& counts = window_.counts();
+  return options_.max_triangles > 0 &&
+         counts.triangles + fronts_.triangle_count() > options_.max_triangles + 2 * counts.insertions;
 }
 
 void AdvancingFront::AbandonAll() {
@@ -793,7 +797,7 @@ FrontReport AdvancingFront::Summarise() const {
   report.largest_deviation = counts.largest_deviation;
   report.beyond_max_error = counts.beyond_max_error;
   report.quality = counts.quality.Report();
-  report.boundary_edges = rim_edges_;
+  report.boundary_edges = rim_edges_ + window_.rim_insertions();
   report.boundary_loops = rim_loops_;
   report.open_places = open_places_;
   ReportOpenLoops(report);

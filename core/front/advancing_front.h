@@ -9,6 +9,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/base/context.h"
+#include "core/front/insertion_limits.h"
 #include "core/guidance/guidance_field.h"
 #include "core/mesh/mesh_sink.h"
 #include "core/mesh/quality.h"
@@ -29,7 +30,9 @@ struct FrontOptions {
   Vec3 sweep{
       1, 0,
       0};  // the direction in which the working areas follow each other; best the one in which the surface is longest
-  double max_error = std::numeric_limits<double>::infinity();  // absolute: the fit keeps each triangle within it, too
+  // Absolute: triangles that are farther from the surface are refined before they settle, the worst first, as far as the limits allow.
+  double max_error = std::numeric_limits<double>::infinity();
+  InsertionLimits insertions;
 };
 
 struct FrontReport {

@@ -69,9 +69,9 @@ int FrontSet::SidesOnCrease(FrontEdgeId e) const {
   return found == sides_at_joints_.end() ? 0 : found->second & ~kOnCrease;
 }
 
-bool FrontSet::IsOnCrease(FrontEdgeId e) const {
-  if (at(From(e)).joint == kNoJoint || at(To(e)).joint == kNoJoint) return false;
-  const auto found = sides_at_joints_.find(JointPair(From(e), To(e)));
+bool FrontSet::IsOnCrease(WindowVertexId u, WindowVertexId v) const {
+  if (at(u).joint == kNoJoint || at(v).joint == kNoJoint) return false;
+  const auto found = sides_at_joints_.find(JointPair(u, v));
   return found != sides_at_joints_.end() && (found->second & kOnCrease) != 0;
 }
 
@@ -306,6 +306,61 @@ void FrontSet::Flip(Link h) {
   }
   --at(a).triangles, --at(b).triangles, ++at(c).triangles, ++at(d).triangles;
   CountSide(a, b, -2), CountSide(c, d, 2);
+}
+
+void FrontSet::JoinBothWays(Link half_edge, Link other) {
+  Join(half_edge, other);
+  if (other.is_front()) edges_[other.front().index()].owner = half_edge;
+}
+
+Link FrontSet::SplitSide(Link h, WindowVertexId v) {
+  // s = (a, b, c) with a → b in its side becomes (a, v, c) and (v, b, c); so does the one across, (b, a, d), if there is one.
+  const auto halve = [&](WindowTriangleId s, int side) {
+    const WindowVertexId a = at(s).corners[side], b = at(s).corners[Next(side)], c = at(s).corners[Prev(side)];
+    const Link bc = at(s).across[Next(side)], ca = at(s).across[Prev(side)];
+    const WindowTriangleId half = NewTriangle(v, b, c, TriangleKind::kClosing);
+    WindowTriangle& rest = at(s);
+    CountSides(rest, -1);
+    rest.corners = {a, v, c};
+    CountSides(rest, 1);
+    rest.across = {Link::Rim(), Link::Rim(), Link::Rim()};
+    rest.kind = TriangleKind::kClosing;
+    --at(b).triangles, ++at(v).triangles;
+    JoinBothWays(Link::HalfEdge(half, 1), bc);
+    JoinBothWays(Link::HalfEdge(s, 2), ca);
+    Join(Link::HalfEdge(s, 1), Link::HalfEdge(half, 2));
+    for (int i = 0; i < 3; ++i) at(at(s).corners[i]).half_edge = Link::HalfEdge(s, i);
+    at(b).half_edge = Link::HalfEdge(half, 1);
+    return half;
+  };
+  const Link g = at(h.triangle()).across[h.side()];
+  const WindowTriangleId s = h.triangle(), s_half = halve(s, h.side());
+  if (!g.is_half_edge()) {
+    at(v).on_rim = true;
+    return Link::HalfEdge(s_half, 0);
+  }
+  const WindowTriangleId t = g.triangle(), t_half = halve(t, g.side());
+  Join(Link::HalfEdge(s, 0), Link::HalfEdge(t_half, 0));  // a → v and v → a
+  Join(Link::HalfEdge(s_half, 0), Link::HalfEdge(t, 0));  // v → b and b → v
+  return Link::HalfEdge(s_half, 0);
+}
+
+void FrontSet::SplitTriangle(WindowTriangleId t, WindowVertexId v) {
+  const std::array<WindowVertexId, 3> c = at(t).corners;
+  const std::array<Link, 3> across = at(t).across;
+  const std::array<WindowTriangleId, 3> parts = {t, NewTriangle(c[1], c[2], v, TriangleKind::kClosing),
+                                                 NewTriangle(c[2], c[0], v, TriangleKind::kClosing)};
+  CountSides(at(t), -1);
+  at(t).corners = {c[0], c[1], v};
+  CountSides(at(t), 1);
+  at(t).kind = TriangleKind::kClosing;
+  --at(c[2]).triangles, ++at(v).triangles;
+  for (int i = 0; i < 3; ++i) {
+    JoinBothWays(Link::HalfEdge(parts[i], 0), across[i]);
+    Join(Link::HalfEdge(parts[i], 1), Link::HalfEdge(parts[Next(i)], 2));
+    at(c[i]).half_edge = Link::HalfEdge(parts[i], 0);
+  }
+  at(v).half_edge = Link::HalfEdge(t, 2);
 }
 
 std::vector<VertexId> FrontSet::Settle(absl::Span<const WindowTriangleId> settled) {

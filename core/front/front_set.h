@@ -84,6 +84,7 @@ struct WindowTriangle {
   TriangleKind kind = TriangleKind::kFree;
   AuditMark audit = AuditMark::kNone;
   bool alive = false;
+  double deviation = -1;  // from the surface, where that is to be kept; < 0: not measured since something moved
 };
 
 // A directed edge of a front: the meshed side on its left, the open side on its right. It is also the *corner* of the front at
@@ -110,7 +111,8 @@ class FrontSet {
   // the other side has it too. `joint`: below 2^31.
   void AttachJoint(WindowVertexId v, uint32_t joint);
   void MarkCrease(WindowVertexId u, WindowVertexId v) { sides_at_joints_.try_emplace(JointPair(u, v), kOnCrease); }
-  bool IsOnCrease(FrontEdgeId e) const;
+  bool IsOnCrease(WindowVertexId u, WindowVertexId v) const;
+  bool IsOnCrease(FrontEdgeId e) const { return IsOnCrease(From(e), To(e)); }
   // Triangles that have this edge of a crease as a side, on both of its sides, 0 to 2.
   int SidesOnCrease(FrontEdgeId e) const;
   // Edges of creases that have a triangle on one side only.
@@ -138,6 +140,11 @@ class FrontSet {
   std::vector<FrontEdgeId> Remove(absl::Span<const WindowTriangleId> triangles);
   // Turns the edge across which `half_edge` lies. Both triangles must be alive; the caller has checked the new edge.
   void Flip(Link half_edge);
+  // Puts vertex `v` on the side of `half_edge`: its triangle and the one across become two each, all of kind kClosing. Across must
+  // lie a triangle or the rim, which then goes through v. The first half-edge from v along the side.
+  Link SplitSide(Link half_edge, WindowVertexId v);
+  // Puts vertex `v` into a triangle, which becomes three of kind kClosing.
+  void SplitTriangle(WindowTriangleId t, WindowVertexId v);
   // Drops triangles that went to the sink, and the vertices that only they used; returns the ids of those vertices' output.
   std::vector<VertexId> Settle(absl::Span<const WindowTriangleId> triangles);
 
@@ -173,7 +180,8 @@ class FrontSet {
   FrontEdgeId NewEdge(WindowVertexId from, Link owner);
   void DropEdge(FrontEdgeId e);
   WindowTriangleId NewTriangle(WindowVertexId a, WindowVertexId b, WindowVertexId c, TriangleKind kind);
-  void Join(Link half_edge, Link other);  // makes the two (half-edge, rim or settled) lie across each other
+  void Join(Link half_edge, Link other);          // makes the two (half-edge, rim or settled) lie across each other
+  void JoinBothWays(Link half_edge, Link other);  // and says so to a front edge, too
   void Chain(FrontEdgeId first, FrontEdgeId second);
   uint64_t JointPair(WindowVertexId u, WindowVertexId v) const;
   void CountSides(const WindowTriangle& t, int change);

@@ -35,7 +35,9 @@ constexpr int kImproveSweeps = 2, kSearchSweeps = 4, kFitSweeps = 2;
 constexpr double kMaxFitPerLength = 0.15;  // the fit moves a vertex by at most this part of its mean spoke
 constexpr double kFitPerErrorBound = 0.9;  // … and at most this part of the error bound of the triangles around it
 constexpr double kFitMayLoseQuality = 0.97;
-constexpr size_t kMaxRing = 24;   // vertices around one that is removed
+constexpr int kMovedRounds = 8, kPlainRounds = 4;  // of the refinement; each round reaches every triangle once
+constexpr int kRefinementRings = 2;                // around new vertices, that move with them
+constexpr size_t kMaxRing = 24;                    // vertices around one that is removed
 constexpr double kSliver = 0.25;  // radius ratio below which a triangle is worth another try of the front
 
 // Sine of the smallest angle: twice the area over the product of the two longest sides. From the squares of the sides and
@@ -105,7 +107,6 @@ bool SettlingWindow::IsReached(const WindowVertex& v) const { return v.alive && 
 // The vertices that have been reached since the last time, and those next to them; what lies on a rim keeps its place.
 void SettlingWindow::ChooseVertices() {
   std::vector<uint8_t> wanted(fronts_.vertex_slots(), 0);
-  around_.clear();
   for (uint32_t i = 0; i < fronts_.triangle_slots(); ++i) {
     const WindowTriangle& t = fronts_.at(WindowTriangleId(i));
     if (!t.alive) continue;
@@ -119,6 +120,12 @@ void SettlingWindow::ChooseVertices() {
     v.improved = v.improved || wanted[i];
     if (wanted[i] && !v.on_rim) chosen_.push_back(WindowVertexId(i));
   }
+  GatherAround(wanted);
+}
+
+// The triangles that have a wanted corner.
+void SettlingWindow::GatherAround(const std::vector<uint8_t>& wanted) {
+  around_.clear();
   place_in_around_.assign(fronts_.triangle_slots(), kNotAround);
   for (uint32_t i = 0; i < fronts_.triangle_slots(); ++i) {
     const WindowTriangle& t = fronts_.at(WindowTriangleId(i));
@@ -415,20 +422,21 @@ void SettlingWindow::FitVertex(WindowVertexId id) {
 
 void SettlingWindow::FitSweep() {
   for (const WindowVertexId id : chosen_) {
-    if (fronts_.at(id).alive && GatherRing(id)) FitVertex(id);
+    if (!fronts_.at(id).alive || !GatherRing(id)) continue;
+    // A filling beside what was chosen has no feet.
+    if (std::all_of(ring_.begin(), ring_.end(), [&](const Spoke& s) { return IsAround(s.triangle); })) FitVertex(id);
   }
 }
 
-std::vector<WindowTriangleId> SettlingWindow::Improve(const Context& context) {
-  MeasureDepth();
-  ChooseVertices();
+// The sweeps, over what is chosen.
+void SettlingWindow::Polish(const Context& context, bool begins_with_flips) {
   clock_ = 1, last_flips_ = last_removals_ = 0;
   changed_.assign(fronts_.triangle_slots(), clock_);
   sines_.resize(fronts_.triangle_slots());
   is_search_due_.assign(fronts_.vertex_slots(), true);
   const auto stopped = [&] { return !context.CheckStop().ok(); };
   for (int sweep = 0; sweep < kImproveSweeps && !stopped(); ++sweep) {
-    if (options_.flips) FlipSweep();
+    if (options_.flips && (sweep > 0 || begins_with_flips)) FlipSweep();
     if (options_.smooth) SmoothSweep();
   }
   for (int sweep = 0; sweep < kSearchSweeps && options_.smooth && !stopped(); ++sweep) {
@@ -438,7 +446,14 @@ std::vector<WindowTriangleId> SettlingWindow::Improve(const Context& context) {
   }
   if (options_.fit && !stopped()) FindFeet();
   for (int sweep = 0; sweep < kFitSweeps && options_.fit && !stopped(); ++sweep) FitSweep();
-  if (stopped()) return {};
+}
+
+std::vector<WindowTriangleId> SettlingWindow::Improve(const Context& context) {
+  MeasureDepth();
+  ChooseVertices();
+  Polish(context, true);
+  if (std::isfinite(options_.max_error)) KeepMaxError(context);
+  if (!context.CheckStop().ok()) return {};
   if (options_.smooth) FindSlivers();
   return Audit();
 }
@@ -450,17 +465,83 @@ bool SettlingWindow::Leaves(WindowTriangleId id) const {
                                 [&](WindowVertexId v) { return fronts_.at(v).depth >= kEmitDepth; });
 }
 
-// From the surface, at the centroid and the middles of the sides.
-double SettlingWindow::DeviationOf(const WindowTriangle& t) const {
-  const WindowVertex* v[3] = {&fronts_.at(t.corners[0]), &fronts_.at(t.corners[1]), &fronts_.at(t.corners[2])};
-  const Vec3 middle = (v[0]->position + v[1]->position + v[2]->position) / 3.0;
-  const SourcePoint foot = surface_.Snap(v[0]->source, middle);
-  double deviation = Distance(foot.position, middle);
-  for (int i = 0; i < 3; ++i) {
-    const Vec3 half = 0.5 * (v[i]->position + v[(i + 1) % 3]->position);
-    deviation = std::max(deviation, Distance(surface_.Snap(foot, half).position, half));
+// The triangles around that may be refined.
+std::vector<WindowTriangleId> SettlingWindow::ReachedTriangles() const {
+  std::vector<WindowTriangleId> doubtful;
+  for (uint32_t i = 0; i < around_.size(); ++i) {
+    const WindowTriangle& t = fronts_.at(around_[i]);
+    const auto is_reached = [&](WindowVertexId v) { return fronts_.at(v).depth >= kMoveDepth; };
+    if (t.alive && std::all_of(t.corners.begin(), t.corners.end(), is_reached)) doubtful.push_back(around_[i]);
   }
-  return deviation;
+  return doubtful;
+}
+
+// What is to be moved around new vertices: they and what lies within two rings.
+void SettlingWindow::ChooseNear(const std::vector<WindowVertexId>& made) {
+  std::vector<uint8_t> wanted(fronts_.vertex_slots(), 0);
+  std::vector<WindowVertexId> near = made;
+  for (int ring = 0; ring < kRefinementRings; ++ring) {
+    for (size_t i = 0, count = near.size(); i < count; ++i) {
+      fronts_.VisitFan(near[i], [&](WindowTriangleId t, int) {
+        for (const WindowVertexId v : fronts_.at(t).corners) {
+          if (!wanted[v.index()]) wanted[v.index()] = 1, near.push_back(v);
+        }
+      });
+    }
+  }
+  std::sort(near.begin(), near.end());
+  near.erase(std::unique(near.begin(), near.end()), near.end());
+  chosen_.clear();
+  for (const WindowVertexId v : near) {
+    wanted[v.index()] = IsReached(fronts_.at(v));
+    if (wanted[v.index()] && !fronts_.at(v).on_rim) chosen_.push_back(v);
+  }
+  GatherAround(wanted);
+}
+
+// The corners of poor triangles among those given.
+void SettlingWindow::RoundOff(const std::vector<WindowTriangleId>& triangles) {
+  std::vector<WindowVertexId> corners;
+  for (const WindowTriangleId id : triangles) {
+    const WindowTriangle& t = fronts_.at(id);
+    if (!t.alive) continue;
+    const auto place = [&](int i) { return fronts_.at(t.corners[i]).position; };
+    if (RadiusRatio(place(0), place(1), place(2)) < kSearchBelow)
+      corners.insert(corners.end(), t.corners.begin(), t.corners.end());
+  }
+  std::sort(corners.begin(), corners.end());
+  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+  refinement_.RoundOff(corners);
+}
+
+// How many vertices the refinement may still add.
+Refinement::Limits SettlingWindow::InsertionsLeft() const {
+  const auto left = [&](double allowed) {
+    constexpr double kAny = 1e9;
+    return static_cast<size_t>(std::clamp(allowed - static_cast<double>(counts_.insertions), 0.0, kAny));
+  };
+  const auto made = static_cast<double>(counts_.triangles + fronts_.triangle_count());
+  return {left(options_.insertions.per_triangle * made), left(options_.insertions.in_all)};
+}
+
+// Refines until every triangle keeps the bound: first by halved sides, each time moved to good places; what these moves can't keep
+// within the bound by plain insertions at last.
+void SettlingWindow::KeepMaxError(const Context& context) {
+  std::vector<WindowTriangleId> all = around_;
+  for (int round = 0; round < kMovedRounds + kPlainRounds && context.CheckStop().ok(); ++round) {
+    const bool moves = round < kMovedRounds;
+    const std::vector<WindowVertexId> made = refinement_.Refine(
+        ReachedTriangles(), moves ? Refinement::Manner::kSides : Refinement::Manner::kWorstPlace, InsertionsLeft());
+    if (made.empty()) break;
+    counts_.insertions += made.size();
+    ChooseNear(made);
+    if (moves) Polish(context, false);  // the new valences are worth something only when all has moved
+    all.insert(all.end(), around_.begin(), around_.end());
+  }
+  if (options_.smooth) RoundOff(all);
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  around_ = std::move(all);  // for those who look for what has changed
 }
 
 void SettlingWindow::FindSlivers() {
@@ -545,6 +626,7 @@ std::vector<WindowTriangleId> SettlingWindow::Audit() {
         for (const WindowVertexId corner : fronts_.at(id).corners) {
           WindowVertex& v = fronts_.at(corner);
           if (!v.frozen()) v.position = v.source.position;
+          fronts_.VisitFan(corner, [&](WindowTriangleId around, int) { fronts_.at(around).deviation = -1; });
         }
       }
     }
@@ -591,9 +673,9 @@ absl::Status SettlingWindow::Emit(bool everything) {
     triangles.push_back(out);
     kinds.push_back(t.kind);
     if (std::isfinite(options_.max_error)) {
-      const double deviation = DeviationOf(t);
-      counts_.largest_deviation = std::max(counts_.largest_deviation, deviation);
-      counts_.beyond_max_error += deviation > options_.max_error;
+      if (t.deviation < 0) refinement_.Measure(id);
+      counts_.largest_deviation = std::max(counts_.largest_deviation, t.deviation);
+      counts_.beyond_max_error += t.deviation > options_.max_error;
     }
     counts_.quality.Add(place[0], place[1], place[2]);
     for (int i = 0; i < 3; ++i)

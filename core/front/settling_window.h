@@ -9,6 +9,8 @@
 #include "core/base/context.h"
 #include "core/front/closure.h"
 #include "core/front/front_set.h"
+#include "core/front/insertion_limits.h"
+#include "core/front/refinement.h"
 #include "core/mesh/mesh_sink.h"
 #include "core/mesh/quality.h"
 
@@ -17,16 +19,20 @@ namespace meshfront {
 struct SettlingOptions {
   bool flips = true, smooth = true, fit = true;
   double error_per_length = 1;  // of the longest edge of each triangle: the fit moves no vertex farther than that
-  double max_error = std::numeric_limits<double>::infinity();  // … nor farther than that, absolute
+  // … nor farther than that, absolute; triangles that are farther from the surface are refined, …
+  double max_error = std::numeric_limits<double>::infinity();
+  double min_edge = 0;         // … unless their edges become shorter than that, …
+  InsertionLimits insertions;  // … or more vertices than so many, the worst first
 };
 
 // Totals over everything that has left the window.
 struct SettledCounts {
   uint64_t vertices = 0, triangles = 0, flips = 0;
+  uint64_t insertions = 0;          // vertices that the refinement added so far
   uint64_t by_kind[3] = {0, 0, 0};  // by TriangleKind
   double longest_edge = 0;
-  double largest_deviation = 0;   // from the surface, of centroids and middles of sides; with max_error only
-  uint64_t beyond_max_error = 0;  // triangles that deviate more than max_error there
+  double largest_deviation = 0;   // from the surface; with max_error only
+  uint64_t beyond_max_error = 0;  // triangles that are farther from it than max_error, and could not be refined enough
   QualityAccumulator quality;
 };
 
@@ -35,7 +41,11 @@ struct SettledCounts {
 class SettlingWindow {
  public:
   SettlingWindow(const Surface& surface, FrontSet& fronts, const SettlingOptions& options, MeshSink& sink)
-      : surface_(surface), fronts_(fronts), options_(options), sink_(sink) {}
+      : surface_(surface),
+        fronts_(fronts),
+        options_(options),
+        sink_(sink),
+        refinement_(surface, fronts, options.max_error, options.min_edge, kMoveDepth) {}
 
   // Improves what has come to lie kMoveDepth rings or more behind the fronts since the last time, and audits what is to leave. Returns the triangles of pairs
   // that intersect, so that the front can take them back; none of their vertices is frozen.
@@ -50,6 +60,7 @@ class SettlingWindow {
   void GiveUp(WindowTriangleId triangle) { fronts_.at(triangle).audit = AuditMark::kFault; }
   // … or no longer looks at it: the surface meets itself there.
   void Excuse(WindowTriangleId triangle) { fronts_.at(triangle).audit = AuditMark::kExcused; }
+  uint64_t rim_insertions() const { return refinement_.rim_insertions(); }
   const SettledCounts& counts() const { return counts_; }
 
   // Rings between each vertex and the nearest front; Improve begins with it. Again before Emit when fronts have retreated since.
@@ -63,6 +74,8 @@ class SettlingWindow {
 
   bool IsReached(const WindowVertex& v) const;
   void ChooseVertices();
+  void GatherAround(const std::vector<uint8_t>& wanted);
+  void Polish(const Context& context, bool begins_with_flips);
   bool IsAround(WindowTriangleId t) const { return place_in_around_[t.index()] != kNotAround; }
   void FlipSweep();
   bool TryFlip(Link half_edge);
@@ -85,7 +98,11 @@ class SettlingWindow {
   std::vector<WindowTriangleId> Audit();
   bool Leaves(WindowTriangleId t) const;
   VertexId NameOf(const WindowVertex& v, std::vector<OutputVertex>& vertices);
-  double DeviationOf(const WindowTriangle& t) const;
+  void KeepMaxError(const Context& context);
+  std::vector<WindowTriangleId> ReachedTriangles() const;
+  Refinement::Limits InsertionsLeft() const;
+  void RoundOff(const std::vector<WindowTriangleId>& triangles);
+  void ChooseNear(const std::vector<WindowVertexId>& made);
   void FindSlivers();
   bool HasSimpleStar(WindowVertexId v) const;
   std::vector<std::pair<WindowTriangleId, WindowTriangleId>> FindIntersections() const;
@@ -106,6 +123,7 @@ class SettlingWindow {
   FrontSet& fronts_;
   const SettlingOptions options_;
   MeshSink& sink_;
+  Refinement refinement_;
   SettledCounts counts_;
   std::vector<Spoke> ring_;
   std::vector<WindowVertexId> chosen_;     // what this call of Improve moves, by id

@@ -13,7 +13,8 @@ struct OutputVertex {
 };
 
 // How a triangle came to be (sec. 3): with a new vertex at the lengths that the guidance field asks for, with an existing front
-// vertex, or by what closes the rest: the last of a loop, the closing ladder, a new vertex on a base that is too long or short.
+// vertex, or by what closes the rest: the last of a loop, the closing ladder, a new vertex on a base that is too long or short, or where
+// triangles were too far from the surface.
 enum class TriangleKind : uint8_t { kFree, kConnection, kClosing };
 
 // A piece of the output. Vertex ids are global and count up from 0 in the order of emission; a vertex comes once and before

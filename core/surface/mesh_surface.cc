@@ -11,6 +11,7 @@
 #include "core/mesh/union_find.h"
 #include "core/surface/apex_search.h"
 #include "core/surface/crease_cut.h"
+#include "core/surface/shadow.h"
 #include "core/surface/tolerances.h"
 #include "core/surface/vertex_normals.h"
 
@@ -183,6 +184,15 @@ double MeshSurface::MaxCurvatureAt(const SourcePoint& p) const {
   const Triangle& t = mesh_.triangles[FaceOf(p)];
   return (1 - p.u - p.v) * curvatures_[t[0].index()] + p.u * curvatures_[t[1].index()] +
          p.v * curvatures_[t[2].index()];
+}
+
+bool MeshSurface::FindFarPlaces(const SourcePoint& start, const std::array<Vec3, 3>& triangle, double bound,
+                                double beside, std::vector<FarPlace>& far) const {
+  thread_local Shadow shadow;
+  CastShadow(View(), FaceOf(start), triangle, {bound, beside}, shadow);
+  far.clear();
+  for (const ShadowHit& hit : shadow.far) far.push_back({hit.below, Place(hit.above), hit.is_vertex, hit.is_beside});
+  return shadow.is_whole;
 }
 
 bool MeshSurface::MeetsItselfNear(const Vec3& place, double radius) const {

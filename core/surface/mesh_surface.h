@@ -111,6 +111,9 @@ class MeshSurface final : public Surface {
   double MaxCurvatureAt(const SourcePoint& p) const override;
   bool IsOnBoundary(const SourcePoint& p) const override;
   uint32_t SheetOf(const SourcePoint& p) const override { return components_.label[FaceOf(p)]; }
+  // 40 ns a face over the triangle.
+  bool FindFarPlaces(const SourcePoint& start, const std::array<Vec3, 3>& triangle, double bound, double beside,
+                     std::vector<FarPlace>& far) const override;
   // Builds a tree over the faces at the first call; then O(faces near the place, squared).
   bool MeetsItselfNear(const Vec3& place, double radius) const override;
 

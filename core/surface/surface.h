@@ -2,8 +2,10 @@
 // normal and a maximum curvature there.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "core/geometry/vec3.h"
 
@@ -16,6 +18,15 @@ struct SourcePoint {
   Vec3 normal;
   uint32_t patch = 0xffffffffu;
   double u = 0, v = 0;
+};
+
+// A place of a triangle and the surface's over it, seen along the triangle's normal. `is_detail`: the surface has a corner there that
+// places next to it don't tell of.
+struct FarPlace {
+  Vec3 below;
+  SourcePoint above;
+  bool is_detail = false;
+  bool is_beside = false;  // the place below lies in the triangle's plane, but outside it
 };
 
 // Implemented by: MeshSurface (later: the MLS surfaces). Called by: the front, its closure and its settling window.
@@ -47,6 +58,16 @@ class Surface {
   virtual uint32_t SheetOf(const SourcePoint& p) const {
     static_cast<void>(p);
     return 0;
+  }
+
+  // Collects places where a triangle and the surface over it, around `start`, may be farther apart than `bound`. True: without any
+  // the triangle is nowhere farther from the surface. False: it can't tell of all of the triangle. Details beside the triangle belong to
+  // it by up to `beside` of its size. Surfaces that have no faces never can.
+  virtual bool FindFarPlaces(const SourcePoint& start, const std::array<Vec3, 3>& triangle, double bound, double beside,
+                             std::vector<FarPlace>& far) const {
+    static_cast<void>(start), static_cast<void>(triangle), static_cast<void>(bound), static_cast<void>(beside);
+    far.clear();
+    return false;
   }
 
   // Whether the surface itself passes through or touches itself within `radius` of a place: there a mesh of it may do the same.

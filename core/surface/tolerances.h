@@ -47,6 +47,9 @@ inline constexpr double kProbeReach = 0.25;
 // Faces looked at for such a way; where it is not found among them it is long in faces too.
 inline constexpr size_t kMaxDetourFaces = 200;
 
+// Faces looked at over one triangle.
+inline constexpr size_t kMaxShadowFaces = 4096;
+
 // Faces that are compared pair by pair around one place where an output intersects itself.
 inline constexpr size_t kMaxFacesNearAPlace = 400;
 

@@ -11,11 +11,11 @@ namespace {
 
 class SameBits : public ::testing::TestWithParam<ZooShape> {};
 
-CollectingSink Collect(const TriangleMesh& input, int threads) {
+CollectingSink Collect(const TriangleMesh& input, int threads, const RemeshOptions& options = {}) {
   CollectingSink sink;
   Context context;
   context.threads = threads;
-  EXPECT_THAT(Remesh({input, {}}, sink, context), IsOk());
+  EXPECT_THAT(Remesh({input, options}, sink, context), IsOk());
   return sink;
 }
 
@@ -35,6 +35,17 @@ TEST_P(SameBits, AtOneTwoAndFourThreads) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Zoo, SameBits, ::testing::ValuesIn(Zoo()), [](const auto& info) { return info.param.name; });
+
+TEST(SameBits, WhereTrianglesAreRefined) {
+  const TriangleMesh input = Cube(8);
+  RemeshOptions options;
+  options.max_error = Length{0.02, false};
+  options.sizing = Sizing::kError;
+  const CollectingSink one = Collect(input, 1, options);
+  ASSERT_FALSE(one.mesh.triangles.empty());
+  ExpectSame(one, Collect(input, 4, options));
+  ExpectSame(one, Collect(input, 1, options));
+}
 
 TEST(SameBits, WhenTheCallerWatchesTheProgress) {
   const TriangleMesh input = GenusThree(48);

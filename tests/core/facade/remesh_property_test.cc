@@ -117,6 +117,55 @@ TEST_P(EverySmoothShape, StaysWithinTheErrorBoundOfEachTriangle) {
                        << " of its bound";
 }
 
+// A sphere with bumps of several sizes, in triangles about as large as those wanted: what no curvature at its vertices tells of.
+TriangleMesh BumpySphere(int subdivisions) {
+  return Mapped(Icosphere(subdivisions), [](const Vec3& p) {
+    const double bumps =
+        std::sin(7 * p.x) * std::sin(5 * p.y + 1) * std::sin(6 * p.z) + 0.3 * std::sin(19 * p.x - 17 * p.y);
+    return (1 + 0.06 * bumps) * p;
+  });
+}
+
+// Every triangle is as close to the surface as was asked for, and that costs neither topology nor shape.
+TEST(MaxError, IsKeptByEveryTriangle) {
+  for (const TriangleMesh& input :
+       {BumpySphere(4), WithNoise(Icosphere(4), 0.01, 3), WavyTerrain(40), DiskWithHoles(40)}) {
+    const TriangleBvh surface(input.positions, input.triangles);
+    for (const double error : {0.006, 0.012}) {
+      RemeshOptions options;
+      options.sizing = Sizing::kError;
+      options.max_error = Length{error, false};
+      const Outcome out = RemeshOrFail(input, options);
+      EXPECT_TRUE(out.report.complete);
+      EXPECT_THAT(out.report.warnings, IsEmpty());
+      EXPECT_EQ(out.report.error_bound, error);
+      ExpectReportMatches(out);
+      EXPECT_THAT(out.mesh, AllOf(IsManifold(), HasNoSelfIntersection(),
+                                  HasBoundaryLoops(MeasureTopology(input).boundary_loops)));
+      double worst = 0;
+      for (const Triangle& t : out.mesh.triangles) worst = std::max(worst, ForwardDistance(out.mesh, t, surface));
+      EXPECT_LE(worst, error) << "of " << out.mesh.triangles.size() << " triangles";
+      EXPECT_GT(out.report.quality.radius_ratio_min, 0.2);
+    }
+  }
+}
+
+// A number of triangles leaves room for the worst places only, and says how far off the others are.
+TEST(MaxError, IsWhatTheReportBoundsWhereACountIsWanted) {
+  const TriangleMesh input = BumpySphere(5);
+  RemeshOptions options;
+  options.sizing = Sizing::kError;
+  options.target_triangles = 4000;
+  const Outcome out = RemeshOrFail(input, options);
+  EXPECT_THAT(out.report.warnings, IsEmpty());
+  const TriangleBvh surface(input.positions, input.triangles);
+  double worst = 0;
+  for (const Triangle& t : out.mesh.triangles) worst = std::max(worst, ForwardDistance(out.mesh, t, surface));
+  EXPECT_LE(worst, 1.05 * out.report.error_bound) << "as measured, where it is not certified";
+  EXPECT_LE(out.report.error_bound, 3 * out.report.parameters.options.max_error->value);
+  EXPECT_NEAR(static_cast<double>(out.mesh.triangles.size()) / 4000, 1, 0.05);
+}
+
 std::string NameOf(const ::testing::TestParamInfo<std::tuple<ZooShape, double, double>>& info) {
   const auto digits = [](double x) { return std::to_string(static_cast<int>(std::lround(100 * x))); };
   return std::get<0>(info.param).name + "Rho" + digits(std::get<1>(info.param)) + "Eta" +

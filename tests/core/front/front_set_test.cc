@@ -328,6 +328,80 @@ TEST(FrontSet, StaysAManifoldWhileRandomEdgesAreTurned) {
   EXPECT_GT(turned, 100);
 }
 
+TEST(FrontSet, PutsAVertexOnASideBetweenTwoTriangles) {
+  Disk disk(6);
+  const WindowVertexId v = disk.Vertex();
+  const WindowTriangleId s = disk.TriangleAt(0);
+  int side = 0;  // from the middle to ring vertex 0, or back
+  while (!disk.fronts.at(s).across[side].is_half_edge() ||
+         disk.fronts.at(s).across[side].triangle() != disk.TriangleAt(5))
+    ++side;
+  const Link from_v = disk.fronts.SplitSide(Link::HalfEdge(s, side), v);
+  EXPECT_EQ(FaultOf(disk.fronts), "");
+  EXPECT_EQ(disk.fronts.at(from_v.triangle()).corners[from_v.side()], v);
+  EXPECT_EQ(disk.fronts.triangle_count(), 8u);
+  EXPECT_EQ(disk.fronts.at(v).triangles, 4u);
+  EXPECT_EQ(disk.fronts.at(disk.middle).triangles, 6u);
+  EXPECT_EQ(disk.fronts.at(disk.ring[1]).triangles, 3u) << "a corner across has one more";
+  EXPECT_FALSE(disk.fronts.EdgeExists(disk.middle, disk.ring[0]));
+  for (const WindowVertexId u : {disk.middle, disk.ring[0], disk.ring[1], disk.ring[5]})
+    EXPECT_TRUE(disk.fronts.EdgeExists(v, u));
+  int fan = 0;
+  EXPECT_TRUE(disk.fronts.VisitFan(v, [&](WindowTriangleId t, int) {
+    ++fan;
+    EXPECT_EQ(disk.fronts.at(t).kind, TriangleKind::kClosing);
+  }));
+  EXPECT_EQ(fan, 4);
+}
+
+TEST(FrontSet, PutsAVertexOnTheRim) {
+  Fixture f;
+  const auto ring = f.Vertices(3);
+  const FrontEdgeId e = f.fronts.AddLoop(ring);
+  const FrontSet::Step step = f.fronts.Connect(e, f.fronts.at(e).prev, TriangleKind::kClosing);
+  const WindowVertexId v = f.Vertex();
+  f.fronts.SplitSide(Link::HalfEdge(step.triangle, 1), v);
+  EXPECT_EQ(FaultOf(f.fronts), "");
+  EXPECT_TRUE(f.fronts.at(v).on_rim);
+  EXPECT_EQ(f.fronts.triangle_count(), 2u);
+  EXPECT_EQ(f.fronts.at(v).triangles, 2u);
+}
+
+TEST(FrontSet, PutsAVertexIntoATriangle) {
+  Disk disk(5);
+  const WindowVertexId v = disk.Vertex();
+  disk.fronts.SplitTriangle(disk.TriangleAt(2), v);
+  EXPECT_EQ(FaultOf(disk.fronts), "");
+  EXPECT_EQ(disk.fronts.triangle_count(), 7u);
+  EXPECT_EQ(disk.fronts.at(v).triangles, 3u);
+  for (const WindowVertexId u : {disk.middle, disk.ring[2], disk.ring[3]}) EXPECT_TRUE(disk.fronts.EdgeExists(v, u));
+}
+
+TEST(FrontSet, StaysAManifoldWhileVerticesArePutIntoIt) {
+  int sides = 0, rims = 0, insides = 0;
+  for (uint64_t seed = 1; seed <= 20; ++seed) {
+    RandomFronts random(seed);
+    random.Seed(), random.Loop(6);
+    for (int i = 0; i < 80; ++i) {
+      random.Step();
+      const auto live = LiveTriangles(random.fronts);
+      if (live.empty()) continue;
+      const Link h = Link::HalfEdge(live[random.Below(live.size())], static_cast<int>(random.Below(3)));
+      const Link g = random.fronts.at(h.triangle()).across[h.side()];
+      if (random.Below(3) == 0) {
+        random.fronts.SplitTriangle(h.triangle(), random.NewVertex()), ++insides;
+      } else if (g.is_rim()) {
+        random.fronts.SplitSide(h, random.NewVertex()), ++rims;
+      } else if (g.is_half_edge() && random.fronts.at(h.triangle()).corners[(h.side() + 2) % 3] !=
+                                         random.fronts.at(g.triangle()).corners[(g.side() + 2) % 3]) {
+        random.fronts.SplitSide(h, random.NewVertex()), ++sides;
+      }
+      ASSERT_EQ(FaultOf(random.fronts), "") << "seed " << seed << ", step " << i;
+    }
+  }
+  EXPECT_GT(std::min({sides, rims, insides}), 30) << sides << " " << rims << " " << insides;
+}
+
 // Gives every vertex of the triangles an output id, as the settling window does before it lets them go.
 void Emit(FrontSet& fronts, const std::vector<WindowTriangleId>& triangles, uint32_t& next) {
   for (const WindowTriangleId t : triangles) {

@@ -1,0 +1,114 @@
+// Measure asks the surface for far places; where it does not know them all, by a recursion over parts of the triangle (Halve):
+//
+//        2            1. the feet of the middles 3, 4, 5: one walk each
+//       / \           2. bend: how far each foot is from the middle of the feet at the ends of its side
+//      5---4          3. a part is within the bound if its corners are, even with kBendPerHalving of the bend on top
+//     / \ / \         4. a part with a corner beyond the bound is beyond it; the others are halved
+//    0---3---1      5. what is not settled after kMaxHalvings is let go: it lies within the bound at places closer than 1/128 of a side
+//
+// The distance to what lies between three feet is convex, hence largest at a part's corners; what the surface itself is off that is
+// its bend. That is exact enough for smooth surfaces only: a mesh with edges as long as the triangle's has ridges that no middle
+// tells of. Rejected: the Lipschitz bound alone (distance at a place and the way to it), which takes parts as small as what is
+// left to the bound, thousands of them where a triangle comes close to it.
+#include "core/front/deviation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry/triangle.h"
+
+namespace meshfront {
+namespace {
+
+constexpr int kMinHalvings = 3, kMaxHalvings = 7;
+// How much more than at its corners the distance may be inside a part, in bends over its parent's sides. A smooth surface bends over
+// half a side by a quarter of what it bends over the whole, a ridge by half at most.
+constexpr double kBendPerHalving = 0.5;
+// … nor is any place of a part farther from all of its corners than this part of its longest side.
+constexpr double kReachPerSide = 0.578;
+// The distance's slope at the corners of a part tells of that inside up to this factor, and where the foot is not too near.
+constexpr double kSlopeMargin = 1.5, kLeastGapForSlope = 0.1;
+// Weights by which the surface's details may lie beside the triangle, by how well its normal agrees with the surface's at its corners.
+constexpr double kBesideSmooth = 0.1, kBesideSharp = 0.4, kSharpAgreement = 0.9;
+
+// From the middle of the feet at the ends of a side to the foot of its middle.
+double BendOver(const PlaceAndFoot& from, const PlaceAndFoot& to, const PlaceAndFoot& middle) {
+  return Distance(0.5 * (from.foot.position + to.foot.position), middle.foot.position);
+}
+
+}  // namespace
+
+void DeviationMeter::Note(const PlaceAndFoot& at) {
+  const double gap = at.Gap();
+  if (gap > found_.largest) found_.largest = gap, found_.worst = at;
+  if (gap > bound_) found_.is_kept = false;
+}
+
+Deviation DeviationMeter::Measure(const std::array<PlaceAndFoot, 3>& corners) {
+  corners_ = corners;
+  found_ = {};
+  normal_ = Normalized(AreaVector(corners[0].place, corners[1].place, corners[2].place));
+  far_details_.clear();
+  // Over a convex edge there are places that are over none of its two triangles, the sharper it is the farther beside them; and
+  // beyond a rim that cuts off a corner.
+  double agreement = 1;
+  int on_rim = 0;
+  for (const PlaceAndFoot& c : corners) {
+    agreement = std::min(agreement, Dot(c.foot.normal, normal_));
+    on_rim += surface_.IsOnBoundary(c.foot);
+  }
+  const double beside = agreement < kSharpAgreement || on_rim > 1 ? kBesideSharp : kBesideSmooth;
+  const bool all = surface_.FindFarPlaces(corners[0].foot, {corners[0].place, corners[1].place, corners[2].place},
+                                          bound_, beside, far_);
+  for (const PlaceAndFoot& c : corners) Note(c);
+  for (const FarPlace& p : far_) {
+    if (!p.is_beside) Note(Closest(p.above, p.below));
+    if (p.is_detail) far_details_.push_back(p);
+  }
+  const bool is_settled = all && std::all_of(far_.begin(), far_.end(), [](const FarPlace& p) { return p.is_beside; });
+  if (!is_settled && found_.is_kept) Halve(corners, 0);
+  return found_;
+}
+
+// The surface's place next to a place. A walk may end in a hollow beside the closest place: what is beyond the bound is walked to
+// from the triangle's corners as well.
+PlaceAndFoot DeviationMeter::Closest(const SourcePoint& start, const Vec3& place) {
+  PlaceAndFoot closest{place, surface_.Snap(start, place)};
+  for (int i = 0; i < 3 && closest.Gap() > bound_; ++i) {
+    const PlaceAndFoot other{place, surface_.Snap(corners_[i].foot, place)};
+    if (other.Gap() < closest.Gap()) closest = other;
+  }
+  return closest;
+}
+
+PlaceAndFoot DeviationMeter::Middle(const PlaceAndFoot& a, const PlaceAndFoot& b) {
+  const PlaceAndFoot middle = Closest(a.foot, 0.5 * (a.place + b.place));
+  Note(middle);
+  return middle;
+}
+
+// How much the distance grows at most along the triangle, for each unit of the way: the sine between its normal and the way to the foot.
+double DeviationMeter::SlopeAt(const PlaceAndFoot& at) const {
+  const double gap = at.Gap();
+  if (gap < kLeastGapForSlope * bound_) return 1;
+  const double along = Dot(at.foot.position - at.place, normal_) / gap;
+  return std::sqrt(std::max(0.0, 1 - along * along));
+}
+
+void DeviationMeter::Halve(const std::array<PlaceAndFoot, 3>& c, int halvings) {
+  const std::array<PlaceAndFoot, 3> m = {Middle(c[0], c[1]), Middle(c[1], c[2]), Middle(c[2], c[0])};
+  const double bend = std::max({BendOver(c[0], c[1], m[0]), BendOver(c[1], c[2], m[1]), BendOver(c[2], c[0], m[2])});
+  const std::array<std::array<PlaceAndFoot, 3>, 4> parts = {
+      {{m[0], m[1], m[2]}, {c[0], m[0], m[2]}, {m[0], c[1], m[1]}, {m[2], m[1], c[2]}}};
+  for (const auto& part : parts) {
+    const double gap = std::max({part[0].Gap(), part[1].Gap(), part[2].Gap()});
+    const double side = std::max({Distance(part[0].place, part[1].place), Distance(part[1].place, part[2].place),
+                                  Distance(part[2].place, part[0].place)});
+    const double slope = std::min(1.0, kSlopeMargin * std::max({SlopeAt(part[0]), SlopeAt(part[1]), SlopeAt(part[2])}));
+    const double more = std::min(kBendPerHalving * bend, kReachPerSide * slope * side);
+    if (gap > bound_ || (halvings + 1 >= kMinHalvings && gap + more <= bound_)) continue;
+    if (halvings + 1 < kMaxHalvings) Halve(part, halvings + 1);
+  }
+}
+
+}  // namespace meshfront

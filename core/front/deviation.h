@@ -1,0 +1,57 @@
+// How far a triangle of the output is from the surface, with a bound between the places that are looked at.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/surface/surface.h"
+
+namespace meshfront {
+
+// A place of a triangle and the surface's next to it.
+struct PlaceAndFoot {
+  Vec3 place;
+  SourcePoint foot;
+  double Gap() const { return Distance(place, foot.position); }
+};
+
+struct Deviation {
+  double largest = 0;   // of the places that were looked at, where they are beyond the bound
+  PlaceAndFoot worst;   // where
+  bool is_kept = true;  // nowhere beyond the bound
+};
+
+// Measures triangles against one bound. Scratch inside: one for each thread.
+class DeviationMeter {
+ public:
+  DeviationMeter(const Surface& surface, double bound) : surface_(surface), bound_(bound) {}
+
+  // Whether a triangle stays within the bound of the surface. The feet of the corners are starting points of walks, on the surface
+  // next to the corners, and need not be closest.
+  //
+  // Where the surface can tell of all places that are far along the triangle's normal (Surface::FindFarPlaces), there are none in
+  // most triangles, and those are walked from else. Where it can't, the distance is measured at the middles of the sides, and so on
+  // in the four parts that they make, wherever the parts' corners and the surface's bend between them can't rule out more than the
+  // bound; so that between those
+  // places it may be more by what the distance grows over a 128th of a side.
+  Deviation Measure(const std::array<PlaceAndFoot, 3>& corners);
+  // The surface's corners that the last Measure found farther from the triangle, along its normal, than the bound: perhaps from other
+  // triangles, too.
+  const std::vector<FarPlace>& far_details() const { return far_details_; }
+
+ private:
+  void Note(const PlaceAndFoot& at);
+  void Halve(const std::array<PlaceAndFoot, 3>& corners, int halvings);
+  double SlopeAt(const PlaceAndFoot& at) const;
+  PlaceAndFoot Closest(const SourcePoint& start, const Vec3& place);
+  PlaceAndFoot Middle(const PlaceAndFoot& a, const PlaceAndFoot& b);
+
+  const Surface& surface_;
+  const double bound_;
+  std::array<PlaceAndFoot, 3> corners_;
+  Vec3 normal_;
+  Deviation found_;
+  std::vector<FarPlace> far_, far_details_;
+};
+
+}  // namespace meshfront

@@ -1,0 +1,493 @@
+// Refine: each triangle that is beyond the bound, the worst first, unless a neighbour's turn has changed it already.
+//   kSides       its longest side is halved, or all of them where one would not do. Smoothing and flips round the halves off.
+//   kWorstPlace  the side next to the worst place, or the triangle, is split right there
+// Rejected: taking the place back and advancing again with shorter edges. The field's slope carries these four edges far, so that one
+// bad triangle costs dozens.
+#include "core/front/refinement.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry/triangle.h"
+
+namespace meshfront {
+namespace {
+
+constexpr double kDetailPerBound = 1.25;  // how far the surface's corners may be from the output
+constexpr double kMaxDetail = 1.0;        // of the triangle's longest side
+constexpr double kMuchBeyond = 1.9;       // of the bound: what makes the maximum
+constexpr double kFarBeyond = 1.5;        // of the bound: one halved side would not do
+constexpr double kShortestPerGuidance =
+    0.0625;  // no shorter edges than this part of what the field asks for: bounds a place
+constexpr double kMinAgreement =
+    0.3;  // cosine between the normals of new triangles and of the surface at their corners
+constexpr double kMinRadiusRatio = 0.2;                  // of new triangles
+constexpr double kLiftedTo = 0.97;                       // of the bound: where a worst place is moved
+constexpr double kLeastLifted = 0.9, kMostLifted = 1.4;  // … from where
+constexpr int kLiftSteps = 5;                            // there may be several such places
+constexpr double kLeastLever = 0.2;      // sum of the squared weights of what may move: it would move too far
+constexpr double kMinLiftedRatio = 0.3;  // radius ratio of the triangles around
+constexpr double kMinTurnedRatio = 0.8;
+constexpr double kMinEqualizedRatio = 0.4;
+constexpr double kRound =
+    0.9;  // radius ratio of the worst triangle around a vertex, from which on it is left where it is
+constexpr int kRoundingSweeps = 4;
+constexpr double kRoundingSteps[] = {0.2, 0.1, 0.05};  // in parts of the mean spoke
+constexpr double kNearSide = 0.25;  // weight of the opposite corner below which a place lies next to a side
+constexpr double kAtCorner = 0.9;   // weight of a corner above which no vertex fits between it and the place
+
+// The weights of a place in a triangle; negative beside it, all 0 where the triangle has no area.
+std::array<double, 3> WeightsAt(const std::array<Vec3, 3>& p, const Vec3& place) {
+  const Vec3 area = AreaVector(p[0], p[1], p[2]);
+  const double area2 = SquaredNorm(area);
+  std::array<double, 3> weight = {0, 0, 0};
+  for (int i = 0; i < 3 && area2 > 0; ++i)
+    weight[i] = Dot(AreaVector(place, p[(i + 1) % 3], p[(i + 2) % 3]), area) / area2;
+  return weight;
+}
+
+}  // namespace
+
+Deviation Refinement::Measure(WindowTriangleId id) {
+  const Deviation deviation = MeasureCorners(fronts_.at(id).corners);
+  fronts_.at(id).deviation = deviation.largest;
+  return deviation;
+}
+
+Deviation Refinement::MeasureCorners(const Corners& corners) {
+  std::array<PlaceAndFoot, 3> places;
+  for (int i = 0; i < 3; ++i) places[i] = {fronts_.at(corners[i]).position, fronts_.at(corners[i]).source};
+  Deviation deviation = meter_.Measure(places);
+  MeasureDetails(corners, deviation);
+  return deviation;
+}
+
+// The other way: the surface's corners that lie over the triangle, from the triangles around there.
+void Refinement::MeasureDetails(const Corners& corners, Deviation& deviation) {
+  const Vec3 normal = Normalized(
+      AreaVector(fronts_.at(corners[0]).position, fronts_.at(corners[1]).position, fronts_.at(corners[2]).position));
+  double longest = 0;
+  for (int i = 0; i < 3; ++i)
+    longest = std::max(longest, Distance(fronts_.at(corners[i]).position, fronts_.at(corners[(i + 1) % 3]).position));
+  for (const FarPlace& far : meter_.far_details()) {
+    if (Dot(far.above.normal, normal) < kMinAgreement) continue;  // of another side, reached around an edge
+    const double distance = DistanceToOutput(far.above.position, corners);
+    // Beyond the triangle's own size it belongs to another part of the output, which is not looked at here.
+    if (distance <= std::max(kDetailPerBound * max_error_, deviation.largest) || distance > kMaxDetail * longest)
+      continue;
+    deviation.largest = distance;
+    deviation.worst = {far.below, far.above};
+    deviation.is_kept = false;
+  }
+}
+
+// To the triangle and those that share a corner with it.
+double Refinement::DistanceToOutput(const Vec3& place, const Corners& corners) const {
+  double least = INFINITY;
+  const auto look_at = [&](const Corners& c) {
+    const TrianglePoint at =
+        ClosestPointOnTriangle(place, fronts_.at(c[0]).position, fronts_.at(c[1]).position, fronts_.at(c[2]).position);
+    least = std::min(least, SquaredDistance(place, at.position));
+  };
+  look_at(corners);
+  for (const WindowVertexId v : corners)
+    fronts_.VisitFan(v, [&](WindowTriangleId t, int) { look_at(fronts_.at(t).corners); });
+  return std::sqrt(least);
+}
+
+std::vector<WindowVertexId> Refinement::Refine(const std::vector<WindowTriangleId>& triangles, Manner manner,
+                                               const Limits& limits) {
+  made_.clear();
+  touched_.assign(fronts_.triangle_slots(), 0);
+  std::vector<WindowTriangleId> beyond;
+  for (const WindowTriangleId t : triangles) {
+    if (fronts_.at(t).alive && !Measure(t).is_kept) beyond.push_back(t);
+  }
+  std::stable_sort(beyond.begin(), beyond.end(), [&](WindowTriangleId s, WindowTriangleId t) {
+    return fronts_.at(s).deviation > fronts_.at(t).deviation;
+  });
+  for (const WindowTriangleId t : beyond) {
+    if (IsTouched(t)) continue;
+    const Deviation deviation = Measure(t);  // a neighbour's turn may have mended it
+    if (deviation.is_kept || TryLift(t, deviation) || TryTurn(t)) continue;
+    if (made_.size() < (deviation.largest > kMuchBeyond * max_error_ ? limits.far : limits.usual))
+      RefineAt(t, deviation, manner);
+  }
+  return made_;
+}
+
+double Refinement::RatioOf(const Corners& c) const {
+  return RadiusRatio(fronts_.at(c[0]).position, fronts_.at(c[1]).position, fronts_.at(c[2]).position);
+}
+
+bool Refinement::MayMove(WindowVertexId id) const {
+  const WindowVertex& v = fronts_.at(id);
+  return !v.frozen() && !v.on_rim && v.depth >= depth_;
+}
+
+// Moves the corners just so far that the worst place comes within the bound: by its weights there, which is the shortest way. Kept
+// where no triangle around is beyond the bound then that was not before.
+bool Refinement::TryLift(WindowTriangleId id, Deviation deviation) {
+  const Corners corners = fronts_.at(id).corners;
+  std::array<Vec3, 3> before;
+  for (int i = 0; i < 3; ++i) before[i] = fronts_.at(corners[i]).position;
+  for (int step = 0; step < kLiftSteps && !deviation.is_kept; ++step) {
+    if (!LiftOnce(corners, deviation.worst)) break;
+    deviation = MeasureCorners(corners);
+  }
+  if (deviation.is_kept && KeepsAround(corners)) return true;
+  for (int i = 0; i < 3; ++i) fronts_.at(corners[i]).position = before[i];
+  return false;
+}
+
+bool Refinement::LiftOnce(const Corners& corners, const PlaceAndFoot& worst) {
+  const Vec3 way = worst.foot.position - worst.place;
+  const double gap = Norm(way);
+  if (!(gap > kLeastLifted * max_error_) || gap > kMostLifted * max_error_) return false;
+  std::array<Vec3, 3> places;
+  for (int i = 0; i < 3; ++i) places[i] = fronts_.at(corners[i]).position;
+  std::array<double, 3> weight = WeightsAt(places, worst.place);
+  double squares = 0;
+  for (int i = 0; i < 3; ++i) {
+    weight[i] = MayMove(corners[i]) ? std::max(weight[i], 0.0) : 0;
+    squares += weight[i] * weight[i];
+  }
+  if (!(squares > kLeastLever)) return false;
+  const Vec3 shift = (1 - kLiftedTo * std::min(1.0, max_error_ / gap)) / squares * way;
+  for (int i = 0; i < 3; ++i) fronts_.at(corners[i]).position += weight[i] * shift;
+  return true;
+}
+
+// Whether the triangles around the corners are not farther beyond the bound than they were. Writes
+// their deviations down if so.
+bool Refinement::KeepsAround(const Corners& corners) {
+  std::vector<std::pair<WindowTriangleId, double>> now;
+  bool keeps = true;
+  for (const WindowVertexId v : corners) {
+    fronts_.VisitFan(v, [&](WindowTriangleId t, int) {
+      const auto is_known = [&](const auto& known) { return known.first == t; };
+      if (!keeps || std::any_of(now.begin(), now.end(), is_known)) return;
+      const auto& c = fronts_.at(t).corners;
+      const Deviation deviation = MeasureCorners(c);
+      keeps = RatioOf(c) >= kMinLiftedRatio && (deviation.is_kept || deviation.largest <= fronts_.at(t).deviation);
+      now.push_back({t, deviation.largest});
+    });
+  }
+  if (!keeps) return false;
+  for (const auto& [t, deviation] : now) fronts_.at(t).deviation = deviation;
+  return true;
+}
+
+bool Refinement::TryTurn(WindowTriangleId t) {
+  for (int side = 0; side < 3; ++side) {
+    if (TryTurnSide(Link::HalfEdge(t, side))) return true;
+  }
+  return false;
+}
+
+// Turns a side where that leaves two good triangles within the bound.
+bool Refinement::TryTurnSide(Link h) {
+  const Quad q = QuadAround(h);
+  if (!q.is_free) return false;
+  const WindowTriangleId s = h.triangle(), t = fronts_.at(s).across[h.side()].triangle();
+  if (IsTouched(t)) return false;
+  const Corners first = {q.c, q.d, q.b}, second = {q.d, q.c, q.a};
+  const double before = std::min(RatioOf(fronts_.at(s).corners), RatioOf(fronts_.at(t).corners));
+  if (std::min(RatioOf(first), RatioOf(second)) < std::min(kMinTurnedRatio, before) || !MayTurn(q)) return false;
+  if (!MeasureCorners(first).is_kept || !MeasureCorners(second).is_kept) return false;
+  Touch(s), Touch(t);
+  fronts_.Flip(h);
+  Measure(s), Measure(t);
+  return true;
+}
+
+// Moves vertices to where the worst triangle around them is rounder, as long as none leaves the bound: what was inserted last, and
+// what was moved to keep the bound, is not round.
+void Refinement::RoundOff(const std::vector<WindowVertexId>& vertices) {
+  for (const WindowVertexId v : vertices) {
+    if (fronts_.at(v).alive && ValenceOf(v) == 4) TurnTowards(v);
+  }
+  for (int sweep = 0; sweep < kRoundingSweeps; ++sweep) {
+    for (const WindowVertexId v : vertices) {
+      if (fronts_.at(v).alive && MayMove(v)) RoundOff(v);
+    }
+  }
+}
+
+// Four triangles around a vertex can't be round. Turns the sides across from it towards it, one of them for good: that with which the
+// worst triangle around, once all has moved, is rounder than before.
+void Refinement::TurnTowards(WindowVertexId v) {
+  std::vector<WindowTriangleId> fan;
+  fronts_.VisitFan(v, [&](WindowTriangleId t, int) { fan.push_back(t); });
+  for (const WindowTriangleId t : fan) {
+    const auto& corners = fronts_.at(t).corners;
+    const auto corner = static_cast<int>(std::find(corners.begin(), corners.end(), v) - corners.begin());
+    if (TryTurnAndRound(Link::HalfEdge(t, (corner + 1) % 3))) return;
+  }
+}
+
+bool Refinement::TryTurnAndRound(Link h) {
+  const Quad q = QuadAround(h);
+  if (!q.is_free || !HasBetterValences(q) || !MayTurn(q)) return false;
+  if (!MeasureCorners({q.c, q.d, q.b}).is_kept || !MeasureCorners({q.d, q.c, q.a}).is_kept) return false;
+  const std::array<WindowVertexId, 4> moved = {q.a, q.b, q.c, q.d};
+  const auto worst = [&] {
+    double least = 1;
+    for (const WindowVertexId v : moved) least = std::min(least, WorstAround(v, fronts_.at(v).position));
+    return least;
+  };
+  std::array<std::pair<SourcePoint, Vec3>, 4> places;
+  for (int i = 0; i < 4; ++i) places[i] = {fronts_.at(moved[i]).source, fronts_.at(moved[i]).position};
+  const double before = worst();
+  const WindowTriangleId s = h.triangle(), t = fronts_.at(s).across[h.side()].triangle();
+  fronts_.Flip(h);
+  Measure(s), Measure(t);
+  for (int sweep = 0; sweep < kRoundingSweeps; ++sweep) {
+    for (const WindowVertexId v : moved) {
+      if (MayMove(v)) RoundOff(v);
+    }
+  }
+  if (worst() > before) return true;
+  for (int i = 0; i < 4; ++i)
+    fronts_.at(moved[i]).source = places[i].first, fronts_.at(moved[i]).position = places[i].second;
+  fronts_.Flip(Link::HalfEdge(s, 0));
+  for (const WindowVertexId v : moved) fronts_.VisitFan(v, [&](WindowTriangleId around, int) { Measure(around); });
+  return false;
+}
+
+double Refinement::WorstAround(WindowVertexId id, const Vec3& place) const {
+  double worst = 1;
+  const Vec3& normal = fronts_.at(id).source.normal;
+  const bool closed = fronts_.VisitFan(id, [&](WindowTriangleId t, int corner) {
+    const auto& c = fronts_.at(t).corners;
+    const Vec3 &from = fronts_.at(c[(corner + 1) % 3]).position, &to = fronts_.at(c[(corner + 2) % 3]).position;
+    const Vec3 area = AreaVector(place, from, to);
+    worst = std::min(worst, Dot(area, normal) < kMinAgreement * Norm(area) ? -1 : RadiusRatio(place, from, to));
+  });
+  return closed ? worst : 2;
+}
+
+void Refinement::RoundOff(WindowVertexId id) {
+  WindowVertex& v = fronts_.at(id);
+  double worst = WorstAround(id, v.position);
+  if (worst >= kRound) return;
+  double spoke = 0, count = 0;
+  fronts_.VisitFan(id, [&](WindowTriangleId t, int corner) {
+    spoke += Distance(v.position, fronts_.at(fronts_.at(t).corners[(corner + 1) % 3]).position), ++count;
+  });
+  for (const double step : kRoundingSteps) {
+    const Vec3 n = v.source.normal;
+    const Vec3 u = Normalized(Cross(n, std::abs(n.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0})), w = Cross(n, u);
+    Vec3 best;
+    double best_worst = worst;
+    for (const auto& [x, y] :
+         {std::pair{1.0, 0.0}, {0.5, 0.866}, {-0.5, 0.866}, {-1.0, 0.0}, {-0.5, -0.866}, {0.5, -0.866}}) {
+      const Vec3 offset = step * spoke / count * (x * u + y * w);
+      const double trial = WorstAround(id, v.position + offset);
+      if (trial > best_worst) best = offset, best_worst = trial;
+    }
+    if (best_worst <= worst) continue;
+    const SourcePoint source = v.source;
+    const Vec3 position = v.position;
+    const double height = Dot(position - source.position, n);  // as the fit or a lift left it
+    v.source = surface_.Snap(source, source.position + best);
+    v.position = v.source.position + height * v.source.normal;
+    const double after = WorstAround(id, v.position);
+    if (after > worst && KeepsAround({id, id, id})) {
+      worst = after;
+    } else {
+      v.source = source, v.position = position;
+    }
+  }
+}
+
+void Refinement::RefineAt(WindowTriangleId t, const Deviation& deviation, Manner manner) {
+  if (TrySplitRim(t, deviation.worst.foot)) return;
+  const bool begins_with_sides = manner == Manner::kSides;
+  if (begins_with_sides ? HalveSides(t, deviation) : SplitAtWorst(t, deviation)) return;
+  begins_with_sides ? SplitAtWorst(t, deviation) : HalveSides(t, deviation);
+}
+
+void Refinement::Touch(WindowTriangleId t) {
+  if (touched_.size() <= t.index()) touched_.resize(fronts_.triangle_slots(), 0);
+  touched_[t.index()] = 1;
+}
+
+// Neither side of it is settled, on a front or next to one, and its halves are not too short.
+bool Refinement::MaySplit(Link h) const {
+  if (!h.is_half_edge()) return false;
+  const WindowTriangle& s = fronts_.at(h.triangle());
+  const Link g = s.across[h.side()];
+  if (!g.is_half_edge()) return false;
+  const WindowVertex &a = fronts_.at(s.corners[h.side()]), &b = fronts_.at(s.corners[(h.side() + 1) % 3]);
+  const WindowVertexId ic = s.corners[(h.side() + 2) % 3];
+  const WindowVertexId id = fronts_.at(g.triangle()).corners[(g.side() + 2) % 3];
+  const uint32_t depth = std::min({a.depth, b.depth, fronts_.at(ic).depth, fronts_.at(id).depth});
+  const double shortest = std::max(min_edge_, kShortestPerGuidance * std::min(a.length, b.length));
+  return ic != id && depth + 1 >= depth_ && Distance(a.position, b.position) >= 2 * shortest;
+}
+
+Link Refinement::SideBetween(WindowVertexId from, WindowVertexId to) const {
+  Link side = Link::Rim();
+  fronts_.VisitFan(from, [&](WindowTriangleId t, int corner) {
+    if (fronts_.at(t).corners[(corner + 1) % 3] == to) side = Link::HalfEdge(t, corner);
+  });
+  return side;
+}
+
+// Whether the triangles of a new vertex and these sides face the surface's way and are no slivers.
+bool Refinement::FitsBetween(const Vec3& place, const Vec3& place_normal,
+                             absl::Span<const std::array<WindowVertexId, 2>> opposite) const {
+  return std::all_of(opposite.begin(), opposite.end(), [&](const std::array<WindowVertexId, 2>& side) {
+    const WindowVertex &from = fronts_.at(side[0]), &to = fronts_.at(side[1]);
+    const Vec3 normal = Normalized(AreaVector(place, from.position, to.position));
+    const double agreement =
+        std::min({Dot(normal, place_normal), Dot(normal, from.source.normal), Dot(normal, to.source.normal)});
+    return agreement >= kMinAgreement && RadiusRatio(place, from.position, to.position) >= kMinRadiusRatio;
+  });
+}
+
+WindowVertexId Refinement::NewVertex(const SourcePoint& source, WindowVertexId a, WindowVertexId b) {
+  const WindowVertexId v =
+      fronts_.AddVertex(source, 0.5 * (fronts_.at(a).length + fronts_.at(b).length), surface_.MaxCurvatureAt(source));
+  WindowVertex& made = fronts_.at(v);
+  made.origin = fronts_.at(a).origin;
+  made.sheet = fronts_.at(a).sheet;
+  made.depth = std::min(fronts_.at(a).depth, fronts_.at(b).depth);
+  made.improved = true;
+  made_.push_back(v);
+  return v;
+}
+
+bool Refinement::TrySplitSide(Link h, const Vec3& target) {
+  if (!MaySplit(h)) return false;
+  const WindowTriangle& s = fronts_.at(h.triangle());
+  const WindowVertexId a = s.corners[h.side()], b = s.corners[(h.side() + 1) % 3];
+  const Link g = s.across[h.side()];
+  const WindowVertexId c = s.corners[(h.side() + 2) % 3], d = fronts_.at(g.triangle()).corners[(g.side() + 2) % 3];
+  const SourcePoint source = surface_.Snap(fronts_.at(a).source, target);
+  if (!FitsBetween(source.position, source.normal, {{b, c}, {c, a}, {a, d}, {d, b}})) return false;
+  Touch(h.triangle()), Touch(g.triangle());
+  fronts_.SplitSide(h, NewVertex(source, a, b));
+  return true;
+}
+
+size_t Refinement::ValenceOf(WindowVertexId v) const {
+  size_t count = 0;
+  return fronts_.VisitFan(v, [&](WindowTriangleId, int) { ++count; }) ? count : 0;
+}
+
+// A vertex on a side has four triangles, which no smoothing makes round. Turns the sides around it where that brings the
+// valences nearer to six.
+void Refinement::EqualizeAround(WindowVertexId v) {
+  std::vector<WindowTriangleId> fan;
+  fronts_.VisitFan(v, [&](WindowTriangleId t, int) { fan.push_back(t); });
+  for (const WindowTriangleId t : fan) {
+    const auto& corners = fronts_.at(t).corners;
+    const auto corner = static_cast<int>(std::find(corners.begin(), corners.end(), v) - corners.begin());
+    if (corner < 3 && ValenceOf(v) < 6) TryEqualize(Link::HalfEdge(t, (corner + 1) % 3));
+  }
+}
+
+// On the other diagonal than today.
+bool Refinement::HasBetterValences(const Quad& q) const {
+  int before = 0, after = 0;
+  for (const auto& [vertex, change] : {std::pair{q.a, -1}, {q.b, -1}, {q.c, 1}, {q.d, 1}}) {
+    const size_t valence = ValenceOf(vertex);
+    if (valence == 0) return false;  // at a rim or where triangles have settled
+    const int excess = static_cast<int>(valence) - 6;
+    before += excess * excess, after += (excess + change) * (excess + change);
+  }
+  return after < before;
+}
+
+bool Refinement::TryEqualize(Link h) {
+  const Quad q = QuadAround(h);
+  if (!q.is_free || !HasBetterValences(q) || !MayTurn(q)) return false;
+  if (std::min(RatioOf({q.c, q.d, q.b}), RatioOf({q.d, q.c, q.a})) < kMinEqualizedRatio) return false;
+  Touch(h.triangle()), Touch(fronts_.at(h.triangle()).across[h.side()].triangle());
+  fronts_.Flip(h);
+  return true;
+}
+
+// The corners of the two triangles at a side: a and b its ends, c and d across.
+Refinement::Quad Refinement::QuadAround(Link h) const {
+  const WindowTriangle& s = fronts_.at(h.triangle());
+  const Link g = s.across[h.side()];
+  if (!g.is_half_edge()) return {};
+  const WindowTriangle& t = fronts_.at(g.triangle());
+  Quad q{true, s.corners[h.side()], s.corners[(h.side() + 1) % 3], s.corners[(h.side() + 2) % 3],
+         t.corners[(g.side() + 2) % 3]};
+  for (const WindowVertexId v : {q.a, q.b, q.c, q.d}) q.is_free = q.is_free && fronts_.at(v).depth + 1 >= depth_;
+  return q;
+}
+
+// Whether the triangles on the other diagonal face the surface's way and it is not an edge already.
+bool Refinement::MayTurn(const Quad& q) const {
+  const WindowVertex &c = fronts_.at(q.c), &d = fronts_.at(q.d);
+  return FitsBetween(c.position, c.source.normal, {{q.d, q.b}}) &&
+         FitsBetween(d.position, d.source.normal, {{q.c, q.a}}) && !fronts_.EdgeExists(q.c, q.d);
+}
+
+bool Refinement::HalveSides(WindowTriangleId t, const Deviation& deviation) {
+  const std::array<WindowVertexId, 3> corners = fronts_.at(t).corners;
+  std::array<int, 3> order = {0, 1, 2};
+  std::array<double, 3> length;
+  for (int i = 0; i < 3; ++i)
+    length[i] = Distance(fronts_.at(corners[i]).position, fronts_.at(corners[(i + 1) % 3]).position);
+  std::stable_sort(order.begin(), order.end(), [&](int i, int j) { return length[i] > length[j]; });
+  const size_t wanted = deviation.largest > kFarBeyond * max_error_ ? 3 : 1;
+  const size_t first_made = made_.size();
+  size_t halved = 0;
+  for (const int i : order) {
+    const WindowVertexId from = corners[i], to = corners[(i + 1) % 3];
+    if (halved == wanted) break;
+    halved += TrySplitSide(SideBetween(from, to), 0.5 * (fronts_.at(from).position + fronts_.at(to).position));
+  }
+  for (size_t i = first_made; i < made_.size(); ++i) EqualizeAround(made_[i]);
+  return halved > 0;
+}
+
+// A rim that leaves the surface, or cuts off a part of it, gets a vertex there.
+bool Refinement::TrySplitRim(WindowTriangleId id, const SourcePoint& place) {
+  if (!surface_.IsOnBoundary(place)) return false;
+  for (int side = 0; side < 3; ++side) {
+    const WindowTriangle& t = fronts_.at(id);
+    const WindowVertexId a = t.corners[side], b = t.corners[(side + 1) % 3], c = t.corners[(side + 2) % 3];
+    if (!t.across[side].is_rim() || !surface_.IsOnBoundary(fronts_.at(a).source)) continue;
+    if (fronts_.IsOnCrease(a, b)) continue;  // the patch on the other side has it too
+    const Vec3 &from = fronts_.at(a).position, &to = fronts_.at(b).position;
+    const double shortest = std::max(min_edge_, kShortestPerGuidance * fronts_.at(a).length);
+    if (Distance(from, place.position) < shortest || Distance(to, place.position) < shortest) continue;
+    if (!FitsBetween(place.position, place.normal, {{b, c}, {c, a}})) continue;
+    Touch(id);
+    fronts_.SplitSide(Link::HalfEdge(id, side), NewVertex(place, a, b));
+    ++rim_insertions_;
+    return true;
+  }
+  return false;
+}
+
+bool Refinement::SplitAtWorst(WindowTriangleId id, const Deviation& deviation) {
+  const std::array<WindowVertexId, 3> corners = fronts_.at(id).corners;
+  std::array<Vec3, 3> p;
+  for (int i = 0; i < 3; ++i) p[i] = fronts_.at(corners[i]).position;
+  const std::array<double, 3> weight = WeightsAt(p, deviation.worst.place);
+  const auto least = static_cast<int>(std::min_element(weight.begin(), weight.end()) - weight.begin());
+  if (weight == std::array<double, 3>{} || *std::max_element(weight.begin(), weight.end()) > kAtCorner) return false;
+  const int side = (least + 1) % 3;  // the one that faces the corner of the least weight
+  if (weight[least] < kNearSide && TrySplitSide(Link::HalfEdge(id, side), deviation.worst.place)) return true;
+  const double longest = std::max({Distance(p[0], p[1]), Distance(p[1], p[2]), Distance(p[2], p[0])});
+  if (longest < 2 * std::max(min_edge_, kShortestPerGuidance * fronts_.at(corners[0]).length)) return false;
+  if (weight[least] < kNearSide / 2) return false;  // on a side that can't be split
+  if (!FitsBetween(deviation.worst.foot.position, deviation.worst.foot.normal,
+                   {{corners[0], corners[1]}, {corners[1], corners[2]}, {corners[2], corners[0]}}))
+    return false;
+  Touch(id);
+  const WindowVertexId v = NewVertex(deviation.worst.foot, corners[0], corners[1]);
+  fronts_.at(v).depth = std::min(fronts_.at(v).depth, fronts_.at(corners[2]).depth);
+  fronts_.SplitTriangle(id, v);
+  return true;
+}
+
+}  // namespace meshfront

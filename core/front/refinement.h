@@ -1,0 +1,97 @@
+// Puts vertices where triangles are farther from the surface than they may be (engine sec. 3, error mode).
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "absl/types/span.h"
+#include "core/front/deviation.h"
+#include "core/front/front_set.h"
+
+namespace meshfront {
+
+// Called by: the settling window, on triangles behind the fronts that nothing else moves at the time. Deterministic.
+class Refinement {
+ public:
+  enum class Manner {
+    kSides,       // halves sides, to be moved to better places afterwards
+    kWorstPlace,  // puts the vertex where the surface is farthest, to stay there
+  };
+
+  // `depth`: of vertices, from which on they may get new triangles; `min_edge`: no shorter ones are made.
+  Refinement(const Surface& surface, FrontSet& fronts, double max_error, double min_edge, uint32_t depth)
+      : surface_(surface),
+        fronts_(fronts),
+        max_error_(kAimedAt * max_error),
+        min_edge_(min_edge),
+        depth_(depth),
+        meter_(surface, max_error_) {}
+
+  // Measures how far triangle and surface are apart, both ways, and writes it down at the triangle.
+  Deviation Measure(WindowTriangleId t);
+  // How many vertices a call may add, about: where triangles are beyond the bound, and where they are far beyond it.
+  struct Limits {
+    size_t usual, far;
+  };
+  // Measures the triangles and mends those that don't keep the bound, the worst first and once each: by moving their corners towards
+  // the surface, by turning a side, or by new vertices, whichever does it first. Returns the new vertices.
+  std::vector<WindowVertexId> Refine(const std::vector<WindowTriangleId>& triangles, Manner manner,
+                                     const Limits& limits);
+  // Moves the vertices to where the triangles around them are rounder, as far as these stay within the bound.
+  void RoundOff(const std::vector<WindowVertexId>& vertices);
+  // Vertices that rims have got by it so far.
+  uint64_t rim_insertions() const { return rim_insertions_; }
+
+ private:
+  using Corners = std::array<WindowVertexId, 3>;
+  Deviation MeasureCorners(const Corners& corners);
+  void MeasureDetails(const Corners& corners, Deviation& deviation);
+  double DistanceToOutput(const Vec3& place, const Corners& corners) const;
+  double RatioOf(const Corners& corners) const;
+  bool TryLift(WindowTriangleId t, Deviation deviation);
+  bool LiftOnce(const Corners& corners, const PlaceAndFoot& worst);
+  bool MayMove(WindowVertexId v) const;
+  bool KeepsAround(const Corners& corners);
+  bool TryTurn(WindowTriangleId t);
+  bool TryTurnSide(Link half_edge);
+  struct Quad {
+    bool is_free = false;  // neither settled nor near a front
+    WindowVertexId a, b, c, d;
+  };
+  Quad QuadAround(Link half_edge) const;
+  bool MayTurn(const Quad& q) const;
+  size_t ValenceOf(WindowVertexId v) const;
+  void EqualizeAround(WindowVertexId v);
+  bool TryEqualize(Link half_edge);
+  bool HasBetterValences(const Quad& q) const;
+  void TurnTowards(WindowVertexId v);
+  bool TryTurnAndRound(Link half_edge);
+  void RoundOff(WindowVertexId v);
+  double WorstAround(WindowVertexId v, const Vec3& place) const;
+  void RefineAt(WindowTriangleId t, const Deviation& deviation, Manner manner);
+  bool HalveSides(WindowTriangleId t, const Deviation& deviation);
+  bool TrySplitRim(WindowTriangleId t, const SourcePoint& place);
+  bool SplitAtWorst(WindowTriangleId t, const Deviation& deviation);
+  bool MaySplit(Link half_edge) const;
+  bool IsTouched(WindowTriangleId t) const { return t.index() < touched_.size() && touched_[t.index()] != 0; }
+  void Touch(WindowTriangleId t);
+  Link SideBetween(WindowVertexId from, WindowVertexId to) const;
+  bool TrySplitSide(Link half_edge, const Vec3& target);
+  bool FitsBetween(const Vec3& place, const Vec3& normal,
+                   absl::Span<const std::array<WindowVertexId, 2>> opposite) const;
+  WindowVertexId NewVertex(const SourcePoint& source, WindowVertexId a, WindowVertexId b);
+
+  const Surface& surface_;
+  FrontSet& fronts_;
+  static constexpr double kAimedAt =
+      0.985;  // of the bound: between the places that are looked at the distance may be a little more
+
+  const double max_error_, min_edge_;
+  const uint32_t depth_;
+  DeviationMeter meter_;
+  uint64_t rim_insertions_ = 0;
+  std::vector<WindowVertexId> made_;  // by this call of Refine
+  std::vector<uint8_t> touched_;      // triangle slots that this call has changed
+};
+
+}  // namespace meshfront

@@ -1,0 +1,33 @@
+// What of a mesh lies over a triangle, seen along its normal, and where the two are far apart.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/surface/mesh_walk.h"
+
+namespace meshfront {
+
+// A place of the triangle and what lies over it.
+struct ShadowHit {
+  Vec3 below;
+  FaceHit above;
+  bool is_vertex = false;  // of the mesh
+  bool is_beside = false;  // outside the triangle
+};
+struct ShadowBounds {
+  double distance = 0;
+  double beside = 0;  // vertices beside the triangle, by this weight, belong to it, too
+};
+struct Shadow {
+  std::vector<ShadowHit> far;
+  bool is_whole = true;  // no rim, and not too many faces: all of the triangle has been looked at
+};
+
+// Collects the places farther apart than the bound between a triangle and the faces over it, reached from face `start`, which should
+// lie over it, from side to side: vertices along the normal, places of the triangle from the face over them. Without any and whole, the
+// triangle is nowhere farther from the mesh. 40 ns a face.
+void CastShadow(const FaceView& mesh, uint32_t start, const std::array<Vec3, 3>& triangle, const ShadowBounds& bounds,
+                Shadow& shadow);
+
+}  // namespace meshfront

@@ -1,0 +1,119 @@
+#include <cmath>
+
+#include "core/surface/mesh_surface.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tests/support/matchers.h"
+#include "tests/support/shapes.h"
+
+namespace meshfront {
+namespace {
+
+using meshfront::testing::HeightField;
+using meshfront::testing::IsOk;
+using meshfront::testing::Sheet;
+using ::testing::IsEmpty;
+
+std::unique_ptr<MeshSurface> SurfaceOf(TriangleMesh mesh) {
+  auto surface = MeshSurface::Create(std::move(mesh), Context{});
+  EXPECT_THAT(surface, IsOk());
+  return *std::move(surface);
+}
+
+struct Found {
+  std::vector<FarPlace> far;
+  bool all = false;
+};
+Found FindFar(const MeshSurface& surface, const std::array<Vec3, 3>& triangle, double bound, double beside = 0.1) {
+  SourcePoint start = surface.AtVertex(VertexId(0));
+  for (int i = 0; i < 3; ++i) start = surface.Snap(start, triangle[0]);
+  Found found;
+  found.all = surface.FindFarPlaces(start, triangle, bound, beside, found.far);
+  return found;
+}
+
+const std::array<Vec3, 3> kTriangle = {Vec3{-0.5, -0.43, 0}, Vec3{0.52, -0.4, 0}, Vec3{0.03, 0.47, 0}};
+
+TEST(FarPlaces, AreNoneOverAFlatSheet) {
+  const auto surface = SurfaceOf(Sheet(12));
+  const Found found = FindFar(*surface, kTriangle, 1e-9);
+  EXPECT_TRUE(found.all);
+  EXPECT_THAT(found.far, IsEmpty());
+}
+
+TEST(FarPlaces, AreEverywhereOverATriangleThatIsOff) {
+  const auto surface = SurfaceOf(Sheet(12));
+  auto triangle = kTriangle;
+  for (Vec3& p : triangle) p.z = 0.1;
+  EXPECT_THAT(FindFar(*surface, triangle, 0.1001).far, IsEmpty());
+  const Found found = FindFar(*surface, triangle, 0.0999);
+  EXPECT_TRUE(found.all);
+  EXPECT_GT(found.far.size(), 20u);
+  for (const FarPlace& p : found.far) {
+    EXPECT_NEAR(p.below.z, 0.1, 1e-12);
+    EXPECT_NEAR(p.above.position.z, 0, 1e-12);
+    EXPECT_NEAR(Distance(p.below, p.above.position), 0.1, 1e-12) << "seen along the normal";
+  }
+}
+
+// One vertex sticks out, wherever it is under the triangle.
+TEST(FarPlaces, IncludeASingleVertexThatSticksOut) {
+  for (int k = 0; k < 13 * 13; ++k) {
+    TriangleMesh mesh = Sheet(12);
+    Vec3& spike = mesh.positions[static_cast<size_t>(k)];
+    spike.z = 0.05;
+    const Vec3 tip = spike;
+    const auto surface = SurfaceOf(std::move(mesh));
+    const Vec3 d = tip - kTriangle[0], e1 = kTriangle[1] - kTriangle[0], e2 = kTriangle[2] - kTriangle[0];
+    const double area = Cross(e1, e2).z, v = Cross(d, e2).z / area, w = Cross(e1, d).z / area;
+    const double least = std::min({v, w, 1 - v - w});
+    const Found found = FindFar(*surface, kTriangle, 0.04);
+    const bool is_found = std::any_of(found.far.begin(), found.far.end(),
+                                      [&](const FarPlace& p) { return p.is_detail && p.above.position == tip; });
+    if (std::abs(least + 0.1) > 0.001) {
+      EXPECT_EQ(is_found, least > -0.1) << tip.x << " " << tip.y;
+    }
+    for (const FarPlace& p : found.far) EXPECT_EQ(p.is_detail && p.is_beside, p.is_detail && least < 0);
+  }
+}
+
+// What is said to be within the bound is, wherever one looks.
+TEST(FarPlaces, AreThereWhereverTheTriangleIsFar) {
+  const auto surface =
+      SurfaceOf(HeightField(24, [](double x, double y) { return 0.05 * std::sin(9 * x + y) * std::cos(7 * y); }));
+  int within = 0, beyond = 0;
+  for (int k = 0; k < 200; ++k) {
+    const double angle = k, size = 0.05 + 0.0015 * k;
+    const Vec3 middle{0.4 * std::sin(0.7 * k), 0.4 * std::cos(1.3 * k), 0};
+    std::array<Vec3, 3> triangle;
+    SourcePoint at = surface->AtVertex(VertexId(312));
+    for (int i = 0; i < 3; ++i) {
+      const double turn = angle + 2.0944 * i;
+      at = surface->Snap(at, middle + size * Vec3{std::cos(turn), std::sin(turn), 0});
+      triangle[i] = at.position;
+    }
+    constexpr double kBound = 0.01;
+    double farthest = 0;
+    for (int i = 0; i <= 20; ++i) {
+      for (int j = 0; i + j <= 20; ++j) {
+        const Vec3 p = triangle[0] + i / 20.0 * (triangle[1] - triangle[0]) + j / 20.0 * (triangle[2] - triangle[0]);
+        farthest = std::max(farthest, Distance(p, surface->Snap(at, p).position));
+      }
+    }
+    const Found found = FindFar(*surface, triangle, kBound);
+    EXPECT_TRUE(found.all);
+    EXPECT_TRUE(!found.far.empty() || farthest <= kBound) << k << ": " << farthest;
+    ++(found.far.empty() ? within : beyond);
+  }
+  EXPECT_GT(std::min(within, beyond), 20);
+}
+
+TEST(FarPlaces, AreNotAllKnownBeyondARim) {
+  const auto surface = SurfaceOf(Sheet(12));
+  auto triangle = kTriangle;
+  for (Vec3& p : triangle) p.x += 0.7;
+  EXPECT_FALSE(FindFar(*surface, triangle, 0.01).all);
+}
+
+}  // namespace
+}  // namespace meshfront
