@@ -2,8 +2,10 @@
 // vertices, and functions of their arguments alone: the same bits on every run.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
+#include <vector>
 
 #include "core/geometry/box.h"
 #include "core/mesh/triangle_mesh.h"
@@ -37,6 +39,19 @@ TriangleMesh Capsule(double length, double radius, int core, int rim);
 TriangleMesh ThinSlab(int n = 60, double thickness = 0.04, int rim = 4);
 // A cylinder with flat caps, its rims sharp.
 TriangleMesh CappedCylinder(double radius, double height, int around, int along);
+// The solid cells of the grid of unit cubes [0, cells), n × n squares on each of their free faces. No two solid cells may touch
+// in an edge or a corner alone.
+TriangleMesh Blocks(const std::array<int, 3>& cells, const std::function<bool(int x, int y, int z)>& is_solid,
+                    int n = 1);
+// The solid below an open mesh that faces up: the mesh itself, `height` higher, a copy that faces down, and walls of `rows` rows.
+TriangleMesh Extruded(const TriangleMesh& flat, double height, int rows = 1);
+// [-1, 1]² × [0, height] with a round hole along z; n squares along a side. Genus 1.
+TriangleMesh PlateWithRoundHole(int n = 24, double radius = 0.4, double height = 0.3);
+// [0, 2] along z; in the plane a triangle with a corner of `angle` radians at the origin between two sides of length 2, the first
+// along x; n edges along each side.
+TriangleMesh Wedge(double angle, int n = 1);
+// A fan of triangles around the first point, which sees all others; counter-clockwise from above.
+TriangleMesh Fan(const std::vector<Vec3>& points);
 // Two unit spheres, 3 apart.
 TriangleMesh TwoSpheres(int subdivisions);
 // Two capsules side by side along z, radius 1, with `gap` between them (1 % of the radius).

@@ -1,0 +1,216 @@
+#include "core/features/creases.h"
+
+#include <atomic>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tests/support/shapes.h"
+#include "tests/support/sharp_edges.h"
+
+namespace meshfront {
+namespace {
+
+using ::testing::Each;
+using ::testing::IsEmpty;
+using testing::Segment;
+using ::testing::SizeIs;
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+// The creases of a mesh, each edge once; both of its halves must say so.
+std::vector<Segment> CreasesOf(const TriangleMesh& mesh, double degrees = 40) {
+  const FaceAdjacency adjacency = CreateAdjacency(mesh);
+  const auto creases = FindCreases(mesh, adjacency, degrees * kDegree, {});
+  EXPECT_TRUE(creases.ok()) << creases.status();
+  for (uint32_t h = 0; h < creases->size(); ++h) {
+    const uint32_t across = adjacency.OppositeOf(h);
+    if (!(*creases)[h]) continue;
+    EXPECT_NE(across, kNoHalfEdge) << "a rim is no crease";
+    EXPECT_TRUE(across == kNoHalfEdge || (*creases)[across]) << "the other half";
+  }
+  return testing::SegmentsOf(mesh, adjacency, *creases);
+}
+
+MATCHER(IsOnAnEdgeOfTheCube, "") {
+  const auto is_on_two_faces = [](const Vec3& p) {
+    return (std::abs(p.x) == 1) + (std::abs(p.y) == 1) + (std::abs(p.z) == 1) >= 2;
+  };
+  return is_on_two_faces(arg.from) && is_on_two_faces(arg.to) && is_on_two_faces(0.5 * (arg.from + arg.to));
+}
+
+// A sheet of n × n squares with ridges: vertices where `slope` is not 0 are raised by that part of an edge, so that the sheet turns by
+// atan(slope) at the foot and by twice that at the top.
+TriangleMesh Ridges(int n, const std::function<double(double x, double y)>& slope) {
+  return testing::HeightField(n, [&](double x, double y) { return 2.0 / n * slope(x, y); });
+}
+// The slope of a ridge whose two sides meet at this angle.
+double SlopeOf(double degrees) { return std::tan(0.5 * degrees * kDegree); }
+bool IsZero(double x) { return std::abs(x) < 1e-9; }
+
+TEST(FindCreases, AreTheTwelveEdgesOfACube) {
+  for (const int n : {1, 2, 7}) {
+    const auto creases = CreasesOf(testing::Cube(n));
+    EXPECT_THAT(creases, SizeIs(12 * n)) << "the squares' diagonals are none";
+    EXPECT_THAT(creases, Each(IsOnAnEdgeOfTheCube()));
+  }
+}
+
+TEST(FindCreases, AreNoneOnASmoothSurface) {
+  EXPECT_THAT(CreasesOf(testing::Icosphere(3)), IsEmpty());
+  EXPECT_THAT(CreasesOf(testing::Torus(1, 0.4, 40, 24)), IsEmpty());
+}
+
+TEST(FindCreases, TurnByMoreThanTheAngle) {
+  // A prism's walls turn by 360° / n from one to the next, and by 90° to its caps.
+  for (const int n : {5, 6, 8, 12, 20}) {
+    const double turn = 360.0 / n;
+    const TriangleMesh prism = testing::CappedCylinder(1, 2, n, 1);
+    EXPECT_THAT(CreasesOf(prism, turn - 0.01), SizeIs(3 * n)) << n;
+    EXPECT_THAT(CreasesOf(prism, turn + 0.01), SizeIs(2 * n)) << n;
+    EXPECT_THAT(CreasesOf(prism, 90.01), IsEmpty()) << n;
+  }
+}
+
+TEST(FindCreases, BridgeAGapOfAFewWeakerEdges) {
+  // A ridge of 60° across the whole sheet, of 30° for `gap` of its 40 edges.
+  for (const int gap : {2, 6}) {
+    const auto ridge = [=](double x, double y) {
+      return !IsZero(y) ? 0 : SlopeOf(std::abs(x) < 0.025 * gap - 1e-9 ? 30 : 60);
+    };
+    EXPECT_THAT(CreasesOf(Ridges(40, ridge)), SizeIs(40)) << gap;
+  }
+}
+
+TEST(FindCreases, EndAtALongGapOfWeakerEdges) {
+  const auto ridge = [](double x, double y) { return !IsZero(y) ? 0 : SlopeOf(std::abs(x) < 0.39 ? 30 : 60); };
+  EXPECT_THAT(CreasesOf(Ridges(40, ridge)), IsEmpty()) << "and what is left leads nowhere";
+}
+
+TEST(FindCreases, DoNotBridgeAGapWithoutATurn) {
+  const auto ridge = [](double x, double y) { return !IsZero(y) || std::abs(x) < 0.09 ? 0 : SlopeOf(60); };
+  EXPECT_THAT(CreasesOf(Ridges(40, ridge)), IsEmpty());
+}
+
+TEST(FindCreases, LeaveOutALineThatEndsInsideAPatch) {
+  const auto half = [](double x, double y) { return !IsZero(y) || x < 0.2 ? 0 : SlopeOf(60); };
+  EXPECT_THAT(CreasesOf(Ridges(40, half)), IsEmpty()) << "from the rim inwards";
+  const auto inner = [](double x, double y) { return !IsZero(y) || std::abs(x) > 0.5 ? 0 : SlopeOf(60); };
+  EXPECT_THAT(CreasesOf(Ridges(40, inner)), IsEmpty()) << "with two free ends";
+}
+
+TEST(FindCreases, LeaveOutABranchThatEndsInsideAPatch) {
+  const auto with_branch = [](double x, double y) {
+    return IsZero(y) || (IsZero(x) && y > 0 && y < 0.6) ? SlopeOf(60) : 0;
+  };
+  const auto creases = CreasesOf(Ridges(40, with_branch));
+  EXPECT_THAT(creases, SizeIs(40));
+  for (const Segment& s : creases) EXPECT_NEAR(std::abs(s.from.y) + std::abs(s.to.y), 0, 1e-12);
+}
+
+TEST(FindCreases, MayEndOnTheRimOfASheet) {
+  const auto across = [](double, double y) { return IsZero(y) ? SlopeOf(60) : 0; };
+  EXPECT_THAT(CreasesOf(Ridges(40, across)), SizeIs(40));
+  const auto crossing = [](double x, double y) { return IsZero(y) || IsZero(x) ? SlopeOf(60) : 0; };
+  EXPECT_THAT(CreasesOf(Ridges(40, crossing)), SizeIs(80));
+}
+
+TEST(FindCreases, LeaveOutASpikeOnAFineSphere) {
+  TriangleMesh mesh = testing::Icosphere(4);  // edges of about 0.07
+  mesh.positions[1000] *= 1.15;
+  const auto sharp = testing::SharpEdges(mesh, CreateAdjacency(mesh));
+  ASSERT_GT(std::count(sharp.begin(), sharp.end(), true), 6);
+  EXPECT_THAT(CreasesOf(mesh), IsEmpty());
+}
+
+TEST(FindCreases, LeaveOutASpeckOfNoiseOnAFineSphere) {
+  TriangleMesh mesh = testing::Icosphere(4);
+  const TriangleMesh noisy = testing::WithNoise(mesh, 0.04, 3);
+  for (size_t v = 0; v < mesh.positions.size(); ++v) {
+    if (Distance(mesh.positions[v], {0, 0, 1}) < 0.2) mesh.positions[v] = noisy.positions[v];
+  }
+  const auto sharp = testing::SharpEdges(mesh, CreateAdjacency(mesh));
+  ASSERT_GT(std::count(sharp.begin(), sharp.end(), true), 20);
+  EXPECT_THAT(CreasesOf(mesh), IsEmpty());
+}
+
+// A plate of 20 × 20 squares, 0.1 wide; one of them holds a smaller square with a pyramid of four faces on it.
+TriangleMesh PlateWithPyramid(double base) {
+  TriangleMesh mesh = testing::Sheet(20);
+  std::vector<VertexId> corners, feet;
+  const Vec3 middle{0.05, 0.05, 0};
+  std::erase_if(mesh.triangles, [&](const Triangle& t) {
+    const Vec3 c = (mesh.PositionAt(t[0]) + mesh.PositionAt(t[1]) + mesh.PositionAt(t[2])) / 3.0;
+    return std::max(std::abs(c.x - middle.x), std::abs(c.y - middle.y)) < 0.05;
+  });
+  for (const Vec3& d : {Vec3{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}) {
+    for (uint32_t v = 0; v < 441; ++v) {
+      if (Distance(mesh.positions[v], middle + 0.05 * d) < 1e-9) corners.push_back(VertexId(v));
+    }
+    feet.push_back(VertexId(mesh.positions.size()));
+    mesh.positions.push_back(middle + 0.5 * base * d);
+  }
+  const VertexId top(mesh.positions.size());
+  mesh.positions.push_back(middle + Vec3{0, 0, 0.5 * base});
+  for (int i = 0; i < 4; ++i) {
+    const int j = (i + 1) % 4;
+    mesh.triangles.push_back({corners[i], corners[j], feet[j]});
+    mesh.triangles.push_back({corners[i], feet[j], feet[i]});
+    mesh.triangles.push_back({feet[i], feet[j], top});
+  }
+  return mesh;
+}
+
+TEST(FindCreases, KeepASmallPyramidOnACoarsePlate) {
+  // Much finer than what is around it: somebody meant it. Four edges at the foot, four to the top.
+  EXPECT_THAT(CreasesOf(PlateWithPyramid(0.012)), SizeIs(8));
+  EXPECT_THAT(CreasesOf(PlateWithPyramid(0.09)), IsEmpty()) << "as coarse as the plate it may be noise";
+}
+
+TEST(FindCreases, AreNotMadeByDegenerateFaces) {
+  // A third vertex on a face's side, off by less than anything: the cap between the two has a normal of its own.
+  for (const double off : {0.0, 1e-9, -1e-6}) {
+    TriangleMesh sheet = testing::Sheet(4);
+    const Triangle t = sheet.triangles[9];
+    const VertexId m(sheet.positions.size());
+    sheet.positions.push_back(0.5 * (sheet.PositionAt(t[0]) + sheet.PositionAt(t[1])) + Vec3{0, 0, off});
+    sheet.triangles[9] = {t[0], t[1], m};
+    sheet.triangles.push_back({m, t[1], t[2]});
+    sheet.triangles.push_back({m, t[2], t[0]});
+    EXPECT_THAT(CreasesOf(sheet), IsEmpty()) << off;
+  }
+}
+
+TEST(FindCreases, RunAroundADegenerateFaceOnAnEdge) {
+  // The same on a cube's edge: the crease is whole, on one side of the cap or the other.
+  TriangleMesh cube = testing::Cube(1);
+  const FaceAdjacency adjacency = CreateAdjacency(cube);
+  const auto sharp = testing::SharpEdges(cube, adjacency);
+  const auto h = static_cast<uint32_t>(std::find(sharp.begin(), sharp.end(), true) - sharp.begin());
+  const VertexId a = OriginOf(cube, h), b = TargetOf(cube, h), c = OriginOf(cube, PreviousHalfEdge(h));
+  const VertexId m(cube.positions.size());
+  cube.positions.push_back(0.5 * (cube.PositionAt(a) + cube.PositionAt(b)));
+  cube.triangles[FaceOfHalfEdge(h)] = {a, b, m};
+  cube.triangles.push_back({m, b, c});
+  cube.triangles.push_back({m, c, a});
+  const auto creases = CreasesOf(cube);
+  EXPECT_THAT(creases, Each(IsOnAnEdgeOfTheCube()));
+  double length = 0;
+  for (const Segment& s : creases) length += Distance(s.from, s.to);
+  EXPECT_NEAR(length, 24, 1e-12);
+}
+
+TEST(FindCreases, StopWhenTheContextSaysSo) {
+  const std::atomic<bool> stop = true;
+  Context context;
+  context.stop = &stop;
+  const TriangleMesh cube = testing::Cube(2);
+  EXPECT_EQ(FindCreases(cube, CreateAdjacency(cube), 1, context).status().code(), absl::StatusCode::kCancelled);
+}
+
+}  // namespace
+}  // namespace meshfront
