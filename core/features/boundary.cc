@@ -113,8 +113,9 @@ std::vector<LoopBuilder::Run> LoopBuilder::RunsOf(const Rim& rim) const {
 void LoopBuilder::FindLeastPoints() {
   const auto& curves = graph_.curves();
   least_.assign(curves.size(), 1);
-  const auto ends_of = [&](const FeatureCurve& c) { return std::minmax(c.start(), c.end()); };
-  std::map<std::pair<uint32_t, uint32_t>, size_t> between;
+  using Ends = std::pair<uint32_t, uint32_t>;
+  const auto ends_of = [](const FeatureCurve& c) { return Ends(std::minmax(c.start(), c.end())); };
+  std::map<Ends, size_t> between;
   for (const FeatureCurve& c : curves) {
     if (!c.closed) ++between[ends_of(c)];
   }
@@ -142,13 +143,15 @@ absl::Status LoopBuilder::SplitTwins(const GuidanceField& field, const Context& 
   std::set<std::vector<uint32_t>> triangles;
   for (const std::vector<Run>& runs : runs_) {
     std::vector<uint32_t> curves;
-    for (const Run& run : runs) curves.push_back(run.curve);
+    size_t points = 0;
+    for (const Run& run : runs) {
+      curves.push_back(run.curve);
+      points += points_[run.curve].size();
+    }
     std::sort(curves.begin(), curves.end());
-    const bool is_triangle = curves.size() == 3 && std::all_of(curves.begin(), curves.end(),
-                                                               [&](uint32_t c) { return points_[c].size() == 1; });
-    if (!is_triangle || triangles.insert(curves).second) continue;
+    if (points > 3 || triangles.insert(curves).second) continue;
     for (const uint32_t c : curves) {
-      least_[c] = 2;
+      least_[c] = points_[c].size() + 1;
       MESHFRONT_RETURN_IF_ERROR(Divide(c, field, context));
     }
   }

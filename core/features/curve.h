@@ -58,7 +58,7 @@ absl::StatusOr<std::vector<uint32_t>> FindCorners(const Curve& curve, LengthFiel
 // exactly, and pieces between corners divided evenly. At least three points, distinct and in the order of the curve, in which
 // the first may be any vertex; skipped vertices lie within about a fifth of g from their chord, unless that took points closer
 // than 0.6 g to each other. A curve too small for its field gives the three vertices that span it. Of an open curve the first end
-// is the first point, the last end is none, and there are at least `least` points. ResourceExhausted beyond 2^22 points; stops with
+// is the first point, the last end is none. At least `least` points. ResourceExhausted beyond 2^22 points; stops with
 // the context. O(vertices + points).
 absl::StatusOr<std::vector<CurvePoint>> ResampleCurve(const Curve& curve, LengthField field, const Context& context,
                                                       size_t least = 1);

@@ -5,8 +5,8 @@
 //      spacing follows the field and closes.
 //   4. FindFarVertices: where a chord leaves the curve too far aside, the vertex farthest from it becomes an anchor, unless it
 //      lies too close to one; again from 2, a few times.
-//   5. Fewer than three points: again with the three vertices that span the curve as anchors. Of an open curve, fewer than asked
-//      for: evenly along it.
+//   5. Fewer than three points of a closed curve: again with the three vertices that span it as anchors. Fewer than asked for:
+//      evenly along it.
 // Rejected: a second walk with scaled steps. It rarely ends where it should; spreading in step 3 does by construction.
 #include <algorithm>
 #include <cmath>
@@ -60,8 +60,8 @@ class Resampler {
       std::sort(anchors.begin(), anchors.end());
       MESHFRONT_RETURN_IF_ERROR(DivideBetween(anchors));
     }
-    if (!curve_.closed() && points_.size() < least_) DivideEvenly();
     if (curve_.closed() && points_.size() < 3) MESHFRONT_RETURN_IF_ERROR(DivideBetween(SpanningVertices()));
+    if (points_.size() < least_) DivideEvenly();
     for (CurvePoint& p : points_) p.segment %= curve_.size();
     return std::move(points_);
   }

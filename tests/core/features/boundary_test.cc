@@ -3,11 +3,16 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <set>
+#include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tests/core/features/crease_surfaces.h"
 #include "tests/support/shapes.h"
 
 namespace meshfront {
@@ -144,6 +149,153 @@ TEST(BoundarySizing, IsFlatAlongStraightSides) {
   const auto surface = SurfaceOf(testing::Sheet(20));
   auto samples = BoundarySizingSamples(*surface, [](double curvature) { return IdealLength(0.5, curvature); }, {});
   for (const SizingSample& s : *samples) EXPECT_NEAR(s.ideal_length, 2, 1e-12);  // a quarter of the rim
+}
+
+// --- Creases ---------------------------------------------------------------------------------------------------------------
+
+struct CreasedShape {
+  const char* name;
+  TriangleMesh mesh;
+  int patches;
+};
+
+std::vector<CreasedShape> CreasedShapes() {
+  return {{"cube of twelve triangles", testing::Cube(1), 6},
+          {"cube", testing::Cube(7), 6},
+          {"capped cylinder", testing::CappedCylinder(1, 2, 24, 6), 3},
+          {"half disk", testing::HalfDiskPrism(), 4},
+          {"drop", testing::DropPrism(), 3},
+          {"pillow", testing::Pillow(), 2},
+          {"roof", testing::Roof(10), 2},
+          {"open box", testing::OpenBox(5), 5},
+          {"plate with a hole", testing::PlateWithRoundHole(20), 7}};
+}
+
+// An edge of the output, by the numbers of its joints.
+using JointEdge = std::pair<uint32_t, uint32_t>;
+
+// The edges on creases, in the direction of their loop. Points of one joint must agree in every bit, those of two must differ.
+std::set<JointEdge> CreaseEdges(const std::vector<OrientedLoop>& loops) {
+  std::set<JointEdge> edges;
+  std::map<uint32_t, Vec3> places;
+  for (const OrientedLoop& loop : loops) {
+    const size_t n = loop.points.size();
+    EXPECT_GE(n, 3u);
+    EXPECT_EQ(loop.joints.empty(), loop.creases.empty());
+    for (size_t i = 0; i < loop.joints.size(); ++i) {
+      const uint32_t joint = loop.joints[i], next = loop.joints[(i + 1) % n];
+      if (joint != kNoJoint) {
+        EXPECT_EQ(places.try_emplace(joint, loop.points[i].position).first->second, loop.points[i].position);
+      }
+      if (!loop.creases[i]) continue;
+      EXPECT_NE(joint, kNoJoint);
+      EXPECT_NE(next, kNoJoint);
+      EXPECT_TRUE(edges.insert({joint, next}).second) << "two loops run the same way along an edge";
+    }
+  }
+  std::set<std::tuple<double, double, double>> different;
+  for (const auto& [joint, p] : places) EXPECT_TRUE(different.insert({p.x, p.y, p.z}).second) << "joint " << joint;
+  return edges;
+}
+
+TEST(BoundaryLoops, HaveTheSamePointsOnBothSidesOfACrease) {
+  for (const CreasedShape& shape : CreasedShapes()) {
+    const auto surface = testing::CreasedSurfaceOf(shape.mesh);
+    ASSERT_EQ(surface->component_count(), static_cast<size_t>(shape.patches)) << shape.name;
+    for (const double g : {0.07, 0.31, 1.0, 1e3}) {
+      SCOPED_TRACE(std::string(shape.name) + " at " + std::to_string(g));
+      const std::set<JointEdge> edges = CreaseEdges(LoopsOf(*surface, Uniform(g)));
+      EXPECT_THAT(edges, ::testing::Not(IsEmpty()));
+      for (const auto& [from, to] : edges) {
+        EXPECT_TRUE(edges.contains({to, from})) << "the other side runs against it";
+        EXPECT_NE(from, to);
+      }
+    }
+  }
+}
+
+TEST(BoundaryLoops, LieOnTheirPatch) {
+  for (const CreasedShape& shape : CreasedShapes()) {
+    const auto surface = testing::CreasedSurfaceOf(shape.mesh);
+    for (const OrientedLoop& loop : LoopsOf(*surface, Uniform(0.31))) {
+      for (const SourcePoint& p : loop.points) {
+        EXPECT_EQ(surface->SheetOf(p), surface->SheetOf(loop.points[0])) << shape.name;
+        EXPECT_TRUE(surface->IsOnBoundary(p)) << shape.name;
+        const SourcePoint on_face = surface->AtFace(FaceId(p.patch), p.u, p.v);
+        EXPECT_LT(Distance(on_face.position, p.position), 1e-14) << shape.name;
+      }
+    }
+  }
+}
+
+TEST(BoundaryLoops, HaveThePatchOnTheirRight) {
+  const auto surface = testing::CreasedSurfaceOf(testing::Cube(5));
+  for (const OrientedLoop& loop : LoopsOf(*surface, Uniform(0.3))) {
+    EXPECT_LT(Dot(AreaOf(loop), loop.points[0].normal), -7) << "clockwise around a face of area 4, seen from outside";
+  }
+}
+
+TEST(BoundaryLoops, KeepTheNodesOfACube) {
+  const auto surface = testing::CreasedSurfaceOf(testing::Cube(5));
+  for (const double g : {0.3, 1e3}) {
+    for (const OrientedLoop& loop : LoopsOf(*surface, Uniform(g))) {
+      int corners = 0;
+      for (const SourcePoint& p : loop.points) corners += std::abs(p.position.x * p.position.y * p.position.z) == 1;
+      EXPECT_EQ(corners, 4);
+      EXPECT_THAT(loop.points, SizeIs(g == 1e3 ? 4 : 28)) << "a side of 2 has 7 edges of 0.29";
+    }
+  }
+}
+
+TEST(BoundaryLoops, DivideTwoCurvesBetweenTheSameNodes) {
+  // In an ample field both would be the edge between the two nodes.
+  const auto surface = testing::CreasedSurfaceOf(testing::HalfDiskPrism());
+  const auto loops = LoopsOf(*surface, Uniform(1e3));
+  const std::set<JointEdge> edges = CreaseEdges(loops);
+  EXPECT_THAT(edges, SizeIs(2 * (4 * 2 + 2))) << "two for each arc and each diameter, one up each side";
+}
+
+TEST(BoundaryLoops, DivideACurveFromANodeToItselfIntoThree) {
+  const auto surface = testing::CreasedSurfaceOf(testing::DropPrism());
+  const std::set<JointEdge> edges = CreaseEdges(LoopsOf(*surface, Uniform(1e3)));
+  EXPECT_GE(edges.size(), 2 * (2 * 3 + 1u));
+}
+
+TEST(BoundaryLoops, DivideTheCreasesAroundTwoPatchesThatWouldBeTheSameTriangle) {
+  const auto surface = testing::CreasedSurfaceOf(testing::Pillow());
+  const auto loops = LoopsOf(*surface, Uniform(1e3));
+  ASSERT_THAT(loops, SizeIs(2));
+  for (const OrientedLoop& loop : loops) EXPECT_GT(loop.points.size(), 3u);
+}
+
+TEST(BoundaryLoops, JoinRimsWhereACreaseEndsOnThem) {
+  const auto surface = testing::CreasedSurfaceOf(testing::Roof(10));
+  const auto loops = LoopsOf(*surface, Uniform(0.3));
+  ASSERT_THAT(loops, SizeIs(2));
+  for (const OrientedLoop& loop : loops) {
+    const size_t n = loop.points.size();
+    ASSERT_THAT(loop.joints, SizeIs(n));
+    for (size_t i = 0; i < n; ++i) {
+      const bool on_fold = loop.points[i].position.y == 0, to_fold = loop.points[(i + 1) % n].position.y == 0;
+      EXPECT_EQ(loop.joints[i] != kNoJoint, on_fold);
+      EXPECT_EQ(loop.creases[i], on_fold && to_fold);
+    }
+  }
+}
+
+TEST(BoundaryLoops, AreWithoutJointsWhereThereAreNoCreases) {
+  for (const OrientedLoop& loop : LoopsOf(*testing::CreasedSurfaceOf(testing::DiskWithHoles(40, 2)), Uniform(0.1))) {
+    EXPECT_THAT(loop.joints, IsEmpty());
+    EXPECT_THAT(loop.creases, IsEmpty());
+  }
+}
+
+TEST(BoundarySizing, DoesNotShortenEdgesAroundASmallPatch) {
+  // A rim is at least about five edges long, a patch's is as long as its curves ask for.
+  const auto surface = testing::CreasedSurfaceOf(testing::Cube(5));
+  auto samples = BoundarySizingSamples(*surface, [](double) { return std::numeric_limits<double>::infinity(); }, {});
+  ASSERT_TRUE(samples.ok());
+  for (const SizingSample& s : *samples) EXPECT_GT(s.ideal_length, 1e6);
 }
 
 TEST(BoundaryLoops, StopWhenTheContextSaysSo) {

@@ -184,6 +184,106 @@ TEST(CurveResampling, KeepsRandomCurvesInOrderAndDistinct) {
   }
 }
 
+// Three sides of the unit square, n edges a side, from (0, 1) down to the origin and around to (1, 1).
+Curve Cup(int n) {
+  const Vec3 corners[4] = {{0, 1, 0}, {0, 0, 0}, {1, 0, 0}, {1, 1, 0}};
+  std::vector<Vec3> points;
+  for (int c = 0; c < 3; ++c) {
+    for (int i = 0; i < n; ++i) points.push_back(Lerp(corners[c], corners[c + 1], static_cast<double>(i) / n));
+  }
+  points.push_back(corners[3]);
+  return Curve(points, false);
+}
+
+std::vector<CurvePoint> ResampleWith(const Curve& curve, double g, size_t least = 1) {
+  auto points = ResampleCurve(
+      curve, [=](const Vec3&) { return g; }, {}, least);
+  EXPECT_TRUE(points.ok()) << points.status();
+  return *std::move(points);
+}
+
+TEST(OpenCurve, EndsAtItsLastVertex) {
+  const Curve cup = Cup(5);
+  EXPECT_FALSE(cup.closed());
+  EXPECT_EQ(cup.length(), 3);
+  EXPECT_LT(Distance(cup.At(cup.PointAtArc(1.5)), {0.5, 0, 0}), 1e-15);
+  EXPECT_EQ(cup.At(cup.PointAtArc(3)), (Vec3{1, 1, 0}));
+  for (double arc : {0.0, 0.3, 1.0, 2.99}) EXPECT_NEAR(cup.ArcAt(cup.PointAtArc(arc)), arc, 1e-12);
+}
+
+TEST(OpenCurve, HasCornersInsideOnly) {
+  for (double g : {0.05, 0.2}) {
+    EXPECT_THAT(*FindCorners(Cup(20), [=](const Vec3&) { return g; }, {}), ElementsAre(20, 40)) << g;
+  }
+}
+
+TEST(OpenCurveResampling, StartsAtItsFirstEndAndLeavesTheLastOut) {
+  const Curve cup = Cup(7);
+  for (double g : {0.03, 0.21, 0.7}) {
+    const auto points = ResampleWith(cup, g);
+    ASSERT_FALSE(points.empty());
+    EXPECT_EQ(points[0], (CurvePoint{0, 0}));
+    EXPECT_LT(cup.ArcAt(points.back()), 3);
+    EXPECT_GT(cup.ArcAt(points.back()), 3 - 1.5 * g) << "the last edge, to the end, is no longer than the others";
+    for (size_t i = 1; i < points.size(); ++i) EXPECT_LT(cup.ArcAt(points[i - 1]), cup.ArcAt(points[i]));
+  }
+}
+
+TEST(OpenCurveResampling, KeepsCornersExactlyAndDividesSidesEvenly) {
+  const Curve cup = Cup(7);
+  const auto points = ResampleWith(cup, 0.21);
+  ASSERT_EQ(points.size(), 15u);
+  for (uint32_t corner : {7, 14}) EXPECT_THAT(points, ::testing::Contains(CurvePoint{corner, 0}));
+  for (size_t i = 0; i < 15; ++i) EXPECT_NEAR(cup.ArcAt(points[i]), 0.2 * static_cast<double>(i), 1e-12);
+}
+
+TEST(OpenCurveResampling, GivesOneEdgeToAShortCurveUnlessMoreAreAskedFor) {
+  const Curve straight({{0, 0, 0}, {0.25, 0, 0}, {1, 0, 0}}, false);
+  const Curve single({{0, 0, 0}, {1, 0, 0}}, false);
+  for (const Curve& curve : {straight, single}) {
+    EXPECT_THAT(ResampleWith(curve, 1e3), ElementsAre(CurvePoint{0, 0}));
+    for (const size_t least : {2, 3}) {
+      const auto points = ResampleWith(curve, 1e3, least);
+      ASSERT_EQ(points.size(), least);
+      for (size_t i = 0; i < least; ++i)
+        EXPECT_NEAR(curve.At(points[i]).x, static_cast<double>(i) / static_cast<double>(least), 1e-12);
+    }
+    EXPECT_THAT(ResampleWith(curve, 0.1, 3), ::testing::SizeIs(10)) << "more than the least are left alone";
+  }
+}
+
+TEST(CurveResampling, GivesAClosedCurveAsManyPointsAsAreAskedFor) {
+  for (const size_t least : {1, 3, 4, 6}) {
+    const auto points = ResampleWith(Circle(12), 1e3, least);
+    EXPECT_EQ(points.size(), std::max(least, size_t{3}));
+    EXPECT_TRUE(RunsOnceAround(Circle(12), points));
+  }
+}
+
+TEST(OpenCurveResampling, FollowsABendThatTheFieldWouldStepAcross) {
+  // An arc of 180° whose ends are 2 apart, in a field of 3.
+  std::vector<Vec3> points;
+  for (int i = 0; i <= 60; ++i) {
+    const double angle = std::numbers::pi * i / 60;
+    points.push_back({std::cos(angle), std::sin(angle), 0});
+  }
+  const Curve arc(points, false);
+  const auto coarse = ResampleWith(arc, 1.5);
+  EXPECT_GE(coarse.size(), 2u);
+  double highest = 0;
+  for (const CurvePoint& p : coarse) highest = std::max(highest, arc.At(p).y);
+  EXPECT_GT(highest, 0.7);
+}
+
+TEST(OpenCurveResampling, ReadsTheSameForwardsAndBackwardsWhereTheFieldIsEven) {
+  std::vector<Vec3> points{{0, 0, 0}, {0.3, 0.1, 0}, {0.8, 0.1, 0.2}, {1.7, 0, 0}};
+  const Curve there(points, false);
+  std::reverse(points.begin(), points.end());
+  const Curve back(points, false);
+  const auto a = ResampleWith(there, 0.25), b = ResampleWith(back, 0.25);
+  ASSERT_EQ(a.size(), b.size());
+}
+
 TEST(CurveResampling, RefusesAFieldThatWouldFillTheMemory) {
   const auto points = ResampleCurve(Circle(10), [](const Vec3&) { return 1e-30; }, {});
   EXPECT_EQ(points.status().code(), absl::StatusCode::kResourceExhausted);
