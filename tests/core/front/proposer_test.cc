@@ -1,5 +1,6 @@
 #include "core/front/proposer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -271,6 +272,35 @@ TEST(CheckConnection, DoesNotReachTheSheetAbove) {
   EXPECT_EQ(scene.proposer.CheckConnection(e[0], e[3], kStrict), Verdict::kAccepted);
   EXPECT_EQ(scene.proposer.CheckConnection(e[0], f[3], kStrict), Verdict::kOffSheet);
   EXPECT_EQ(scene.proposer.CheckConnection(e[0], f[3], kStrictness[3]), Verdict::kOffSheet) << "at any strictness";
+}
+
+// Seen from above a loop around an open place runs clockwise, one around a hole in what is open counter-clockwise.
+TEST(SurroundsOpenSide, TellsAnOpenPlaceFromTheHoleInASheet) {
+  for (const int n : {3, 4, 7, 30}) {
+    Scene scene;
+    std::vector<Vec3> around = Polygon(n);
+    EXPECT_TRUE(scene.proposer.SurroundsOpenSide(scene.Loop(around)[0])) << n;
+    std::reverse(around.begin(), around.end());
+    EXPECT_FALSE(scene.proposer.SurroundsOpenSide(scene.Loop(around)[0])) << n;
+  }
+}
+
+TEST(SurroundsOpenSide, SeesThroughReflexCorners) {
+  // An L, and the same as a hole.
+  std::vector<Vec3> around = {{0, 0, 0}, {0, 2, 0}, {1, 2, 0}, {1, 1, 0}, {2, 1, 0}, {2, 0, 0}};
+  Scene scene;
+  EXPECT_TRUE(scene.proposer.SurroundsOpenSide(scene.Loop(around)[0]));
+  std::reverse(around.begin(), around.end());
+  EXPECT_FALSE(scene.proposer.SurroundsOpenSide(scene.Loop(around)[0]));
+}
+
+TEST(CheckConnection, DoesNotCloseALoopAroundAHole) {
+  Scene scene;
+  const FrontEdgeId e = scene.Loop({{0, 0, 0}, {1, 0, 0}, {0.5, 0.8, 0}})[0];
+  for (const Strictness& strictness : kStrictness) {
+    EXPECT_NE(scene.proposer.CheckConnection(e, scene.fronts.at(e).prev, strictness), Verdict::kAccepted);
+  }
+  EXPECT_EQ(scene.proposer.CheckConnection(e, scene.fronts.at(e).prev, kRegardlessOfNormals), Verdict::kOutsideSector);
 }
 
 // A front around a thin tube: what closes it across the lumen does not stand for the tube, however relaxed the tests are.
