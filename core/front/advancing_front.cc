@@ -28,6 +28,7 @@
 #include <queue>
 
 #include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
 #include "absl/functional/function_ref.h"
 #include "core/base/status_macros.h"
 #include "core/front/agenda.h"
@@ -39,6 +40,7 @@
 #include "core/front/settling_window.h"
 #include "core/front/tolerances.h"
 #include "core/geometry/triangle.h"
+#include "core/mesh/union_find.h"
 
 namespace meshfront {
 namespace {
@@ -98,6 +100,8 @@ class AdvancingFront {
   absl::StatusOr<FrontReport> Run(const std::vector<OrientedLoop>& loops, const std::vector<SourcePoint>& seeds);
 
  private:
+  using VertexPair = std::pair<uint32_t, uint32_t>;  // ends of an edge, by FrontSet::IdentityOf
+
   // What the agenda needs to know of a live front edge.
   struct EdgeState {
     AgendaStage stage = AgendaStage::kFree;
@@ -112,8 +116,6 @@ class AdvancingFront {
 
   WindowVertexId NewVertex(const SourcePoint& source, uint32_t origin);
   void AddLoop(const OrientedLoop& loop);
-  void AddRimEdge(WindowVertexId u, WindowVertexId v);
-  bool IsOnBoundary(WindowVertexId v) const;
   void AttachJoints(const OrientedLoop& loop, const std::vector<WindowVertexId>& vertices, uint32_t origin);
   void AddSeed(const SourcePoint& seed);
   bool TrySeed(const SourcePoint& seed, double length, const Vec3& direction);
@@ -149,7 +151,9 @@ class AdvancingFront {
   bool HasRunAway() const;
   void AbandonAll();
   void ReportProgress();
-  void ReportOpenLoops(FrontReport& report) const;
+  std::vector<std::vector<FrontEdgeId>> OpenLoops() const;
+  void ReportOpenPlaces(FrontReport& report) const;
+  void ReportBoundary(FrontReport& report) const;
   FrontReport Summarise() const;
 
   uint32_t NewOrigin() { return labels_.emplace_back(static_cast<uint32_t>(labels_.size())); }
@@ -183,10 +187,8 @@ class AdvancingFront {
   uint64_t steps_ = 0, steps_at_last_rescue_ = 0;
   size_t window_after_settling_ = 0;
   uint64_t peak_front_edges_ = 0, roll_backs_ = 0;
-  uint64_t rim_edges_ = 0, rim_loops_ = 0;
-  absl::flat_hash_map<uint32_t, uint32_t> shared_rims_;  // of each vertex on a rim that creases end on, its place in …
-  std::vector<uint32_t> rim_labels_;                     // … this union-find, which counts those rims
-  std::vector<uint32_t> labels_;  // union-find over the origins of the fronts: counts the components
+  std::vector<VertexPair> rim_edges_;  // of the surface, creases left out
+  std::vector<uint32_t> labels_;       // union-find over the origins of the fronts: counts the components
   size_t lost_components_ = 0;
   std::vector<Vec3> open_places_;  // seeds without a triangle; the loops that stay open are found at the end
 };
@@ -206,32 +208,10 @@ void AdvancingFront::AddLoop(const OrientedLoop& loop) {
   AttachJoints(loop, vertices, origin);
   FrontEdgeId e = fronts_.AddLoop(vertices);
   for (size_t i = 0; i < vertices.size(); ++i, e = fronts_.at(e).next) Welcome(e);
-  if (loop.creases.empty()) return static_cast<void>(rim_edges_ += vertices.size(), ++rim_loops_);
   for (size_t i = 0; i < vertices.size(); ++i) {
-    if (!loop.creases[i]) AddRimEdge(vertices[i], vertices[(i + 1) % vertices.size()]);
+    if (!loop.creases.empty() && loop.creases[i]) continue;
+    rim_edges_.push_back({fronts_.IdentityOf(vertices[i]), fronts_.IdentityOf(vertices[(i + 1) % vertices.size()])});
   }
-}
-
-// Of a rim that creases end on, which several loops share: its vertices are joined here.
-void AdvancingFront::AddRimEdge(WindowVertexId u, WindowVertexId v) {
-  const auto name = [this](WindowVertexId w) {
-    const auto next = static_cast<uint32_t>(shared_rims_.size());
-    return shared_rims_.try_emplace(fronts_.IdentityOf(w), next).first->second;
-  };
-  const uint32_t from = name(u), to = name(v);
-  while (rim_labels_.size() < shared_rims_.size()) {
-    rim_labels_.push_back(static_cast<uint32_t>(rim_labels_.size()));
-    ++rim_loops_;
-  }
-  const uint32_t from_root = RootOf(rim_labels_, from), to_root = RootOf(rim_labels_, to);
-  rim_loops_ -= from_root != to_root;
-  rim_labels_[from_root] = to_root;
-  ++rim_edges_;
-}
-
-bool AdvancingFront::IsOnBoundary(WindowVertexId v) const {
-  const WindowVertex& w = fronts_.at(v);
-  return w.on_rim && (w.joint == kNoJoint || shared_rims_.contains(fronts_.IdentityOf(v)));
 }
 
 // A loop along creases belongs to the component of the loops on their other sides.
@@ -703,39 +683,73 @@ void AdvancingFront::Abandon(const std::vector<FrontEdgeId>& loop) {
 }
 
 // What is open at the end, rather than what was abandoned: another front may have reached an abandoned loop since.
-void AdvancingFront::ReportOpenLoops(FrontReport& report) const {
+std::vector<std::vector<FrontEdgeId>> AdvancingFront::OpenLoops() const {
+  std::vector<std::vector<FrontEdgeId>> loops;
   std::vector<bool> seen(fronts_.edge_slots(), false);
-  std::map<uint32_t, int> open_ends;  // edges of the mesh's boundary that end at a vertex: two, unless it is pinched
-  const auto count_end = [&](WindowVertexId v, int change) {
-    const auto [found, is_new] = open_ends.try_emplace(fronts_.IdentityOf(v), IsOnBoundary(v) ? 2 : 0);
-    found->second += change;
-  };
-  // What the edge adds to the mesh's boundary: a side of a triangle does, the rim of the surface is less. On a crease the other
-  // patch's triangle is what is bare.
-  const auto change_at = [&](FrontEdgeId e) {
-    if (!fronts_.at(e).owner.is_rim()) return 1;
-    return fronts_.IsOnCrease(e) ? fronts_.SidesOnCrease(e) : -1;
-  };
   for (uint32_t i = 0; i < seen.size(); ++i) {
     if (seen[i] || !fronts_.at(FrontEdgeId(i)).alive) continue;
-    const std::vector<FrontEdgeId> loop = LoopOf(FrontEdgeId(i));
-    Vec3 middle;
-    size_t bare = 0;  // edges that nothing of the mesh lies at
-    for (const FrontEdgeId e : loop) {
-      seen[e.index()] = true;
-      middle += fronts_.at(fronts_.From(e)).position / static_cast<double>(loop.size());
-      const int change = change_at(e);
-      bare += change <= 0;
-      if (!fronts_.IsOnCrease(e) || !fronts_.at(e).owner.is_rim()) report.boundary_edges += change;
-      count_end(fronts_.From(e), change);
-      count_end(fronts_.To(e), change);
-    }
-    report.open_places.push_back(middle);
-    if (bare == 0) ++report.boundary_loops;
-    if (bare == loop.size()) --report.boundary_loops;
+    loops.push_back(LoopOf(FrontEdgeId(i)));
+    for (const FrontEdgeId e : loops.back()) seen[e.index()] = true;
   }
-  report.boundary_edges += fronts_.BareCreaseSides();
-  for (const auto& [vertex, ends] : open_ends) report.pinched_vertices += ends > 2;
+  return loops;
+}
+
+void AdvancingFront::ReportOpenPlaces(FrontReport& report) const {
+  for (const std::vector<FrontEdgeId>& loop : OpenLoops()) {
+    Vec3 middle;
+    for (const FrontEdgeId e : loop) middle += fronts_.at(fronts_.From(e)).position / static_cast<double>(loop.size());
+    report.open_places.push_back(middle);
+  }
+}
+
+// The mesh's boundary: the surface's rims where they have a triangle, the triangles' sides on open fronts, and the creases with a
+// triangle on one side only. A front that touches neither rim nor crease is a loop of its own; what is left is as many loops as it
+// has connected parts.
+void AdvancingFront::ReportBoundary(FrontReport& report) const {
+  // Vertices inside a patch get names that no vertex on a rim had before them.
+  const auto name_of = [this](WindowVertexId v) {
+    const bool is_inner = !fronts_.at(v).on_rim;
+    return uint64_t{fronts_.IdentityOf(v)} | uint64_t{is_inner} << 32;
+  };
+  std::vector<std::pair<uint64_t, uint64_t>> edges;
+  absl::flat_hash_set<VertexPair> bare;  // edges of rims without a triangle
+  std::map<uint64_t, int> ends;          // of the boundary's edges at each vertex: two, unless it is pinched
+  for (const std::vector<FrontEdgeId>& loop : OpenLoops()) {
+    const size_t edges_before = edges.size();
+    bool is_apart = true;
+    for (const FrontEdgeId e : loop) {
+      const WindowVertexId from = fronts_.From(e), to = fronts_.To(e);
+      is_apart = is_apart && !fronts_.at(e).owner.is_rim() && fronts_.at(from).joint == kNoJoint;
+      if (!fronts_.at(e).owner.is_rim())
+        edges.push_back({name_of(from), name_of(to)});
+      else
+        bare.insert({fronts_.IdentityOf(from), fronts_.IdentityOf(to)});
+    }
+    if (!is_apart) continue;
+    for (size_t i = edges_before; i < edges.size(); ++i) ++ends[edges[i].first], ++ends[edges[i].second];
+    edges.resize(edges_before);
+    report.boundary_edges += loop.size();
+    ++report.boundary_loops;
+  }
+  for (const VertexPair& rim : rim_edges_) {
+    if (!bare.contains(rim)) edges.push_back(rim);
+  }
+  for (const auto& [u, v] : fronts_.BareCreases())
+    edges.push_back({FrontSet::IdentityOfJoint(u), FrontSet::IdentityOfJoint(v)});
+  absl::flat_hash_map<uint64_t, uint32_t> places;
+  UnionFind parts(2 * edges.size());
+  const auto place_of = [&](uint64_t name) {
+    return places.try_emplace(name, static_cast<uint32_t>(places.size())).first->second;
+  };
+  size_t joined = 0;
+  for (const auto& [from, to] : edges) {
+    const uint32_t u = place_of(from), v = place_of(to);
+    joined += parts.Unite(u, v);
+    ++ends[from], ++ends[to];
+  }
+  report.boundary_edges += edges.size();
+  report.boundary_loops += places.size() - joined;
+  for (const auto& [vertex, count] : ends) report.pinched_vertices += count > 2;
 }
 
 void AdvancingFront::ReportProgress() {
@@ -797,10 +811,10 @@ FrontReport AdvancingFront::Summarise() const {
   report.largest_deviation = counts.largest_deviation;
   report.beyond_max_error = counts.beyond_max_error;
   report.quality = counts.quality.Report();
-  report.boundary_edges = rim_edges_ + window_.rim_insertions();
-  report.boundary_loops = rim_loops_;
+  report.boundary_edges = window_.rim_insertions();
   report.open_places = open_places_;
-  ReportOpenLoops(report);
+  ReportOpenPlaces(report);
+  ReportBoundary(report);
   report.open_places.insert(report.open_places.end(), window_.faults().begin(), window_.faults().end());
   for (uint32_t i = 0; i < labels_.size(); ++i) report.components += labels_[i] == i;
   report.components -= lost_components_;

@@ -75,10 +75,13 @@ bool FrontSet::IsOnCrease(WindowVertexId u, WindowVertexId v) const {
   return found != sides_at_joints_.end() && (found->second & kOnCrease) != 0;
 }
 
-size_t FrontSet::BareCreaseSides() const {
-  size_t count = 0;
-  for (const auto& [pair, sides] : sides_at_joints_) count += sides == (kOnCrease | 1);
-  return count;
+std::vector<std::pair<uint32_t, uint32_t>> FrontSet::BareCreases() const {
+  std::vector<std::pair<uint32_t, uint32_t>> bare;
+  for (const auto& [pair, sides] : sides_at_joints_) {
+    if (sides == (kOnCrease | 1)) bare.push_back({static_cast<uint32_t>(pair >> 32), static_cast<uint32_t>(pair)});
+  }
+  std::sort(bare.begin(), bare.end());
+  return bare;
 }
 
 FrontEdgeId FrontSet::NewEdge(WindowVertexId from, Link owner) {

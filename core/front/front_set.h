@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
@@ -115,11 +116,14 @@ class FrontSet {
   bool IsOnCrease(FrontEdgeId e) const { return IsOnCrease(From(e), To(e)); }
   // Triangles that have this edge of a crease as a side, on both of its sides, 0 to 2.
   int SidesOnCrease(FrontEdgeId e) const;
-  // Edges of creases that have a triangle on one side only.
-  size_t BareCreaseSides() const;
+  // Edges of creases that have a triangle on one side only, as pairs of joints, in increasing order. O(edges of creases).
+  std::vector<std::pair<uint32_t, uint32_t>> BareCreases() const;
   Joint& joint(uint32_t number) { return joints_[number]; }
   // What tells vertices of the output apart: the same number for all window vertices of a joint.
-  uint32_t IdentityOf(WindowVertexId v) const { return at(v).joint == kNoJoint ? v.index() : kJointBit | at(v).joint; }
+  uint32_t IdentityOf(WindowVertexId v) const {
+    return at(v).joint == kNoJoint ? v.index() : IdentityOfJoint(at(v).joint);
+  }
+  static constexpr uint32_t IdentityOfJoint(uint32_t joint) { return kJointBit | joint; }
   // A triangle with three front edges around it. Returns one of them.
   FrontEdgeId AddSeed(WindowVertexId a, WindowVertexId b, WindowVertexId c);
 
