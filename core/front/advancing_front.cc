@@ -830,15 +830,16 @@ absl::StatusOr<FrontReport> AdvancingFront::Run(const std::vector<OrientedLoop>&
   for (const SourcePoint& seed : seeds) AddSeed(seed);
   ReportProgress();
   do {
-    while (OpenArea() || RescueStuck()) {
+    // What was taken back within the last area is on the agenda already.
+    while (OpenArea() || !agenda_.empty() || RescueStuck()) {
       MESHFRONT_RETURN_IF_ERROR(AdvanceArea());
       if (HasRunAway()) AbandonAll();
       if (fronts_.triangle_count() >= 3 * window_after_settling_ / 2 + kMinSettleBatch)
         MESHFRONT_RETURN_IF_ERROR(Settle(false));
     }
     MESHFRONT_RETURN_IF_ERROR(Settle(true));
-  } while (fronts_.triangle_count() > 0 ||
-           !waiting_.empty());  // the last look may have taken everything back to the rims
+    // The last look may have taken everything back to the rims.
+  } while (fronts_.triangle_count() > 0 || !waiting_.empty() || !agenda_.empty());
   return Summarise();
 }
 

@@ -35,6 +35,8 @@ class Agenda {
   }
   // Forgets what is on the agenda for the edge: it is gone, or left the working area.
   void Cancel(FrontEdgeId edge) { ++TicketOf(edge); }
+  // Nothing is left, not even what no longer counts.
+  bool empty() const { return heap_.empty(); }
   // The next entry that still counts; false when there is none.
   bool Pop(Entry& entry) {
     while (!heap_.empty()) {
