@@ -50,6 +50,18 @@ TriangleMesh PlateWithRoundHole(int n = 24, double radius = 0.4, double height =
 // [0, 2] along z; in the plane a triangle with a corner of `angle` radians at the origin between two sides of length 2, the first
 // along x; n edges along each side.
 TriangleMesh Wedge(double angle, int n = 1);
+// A prism over a half disk: one straight and one bent edge between the same two corners, at the top and at the bottom.
+TriangleMesh HalfDiskPrism();
+// A prism over a drop, whose only corner is at (2, 0): its caps' edges run from a corner to itself.
+TriangleMesh DropPrism();
+// A triangle with a sharp rim, raised by 0.1 in its middle above and below: six faces.
+TriangleMesh Pillow();
+// Two spherical caps on a common circle of radius 1, `height` high each; their edge has no corner.
+TriangleMesh Lens(double height, int n = 24);
+// A pyramid over the square [-1, 1]², in four triangles and two.
+TriangleMesh Pyramid(double height);
+// A prism over a star of `points` points, radii 1 and `inner`.
+TriangleMesh StarPrism(int points, double inner, double height);
 // A fan of triangles around the first point, which sees all others; counter-clockwise from above.
 TriangleMesh Fan(const std::vector<Vec3>& points);
 // Two unit spheres, 3 apart.

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -10,6 +11,18 @@
 
 namespace meshfront::testing {
 namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+Vec3 OnCircle(double angle) { return {std::cos(angle), std::sin(angle), 0}; }
+
+// A fan all around its first point.
+TriangleMesh ClosedFan(std::vector<Vec3> points) {
+  const auto last = static_cast<uint32_t>(points.size() - 1);
+  TriangleMesh mesh = Fan(points);
+  mesh.triangles.push_back({VertexId(0), VertexId(last), VertexId(1)});
+  return mesh;
+}
 
 void AddSquare(TriangleMesh& mesh, const std::array<VertexId, 4>& v) {
   mesh.triangles.push_back({v[0], v[1], v[2]});
@@ -113,6 +126,66 @@ TriangleMesh Wedge(double angle, int n) {
     for (int j = 0; j < i; ++j) flat.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
   }
   return Extruded(flat, 2, n);
+}
+
+TriangleMesh HalfDiskPrism() {
+  std::vector<Vec3> points{{0, 0, 0}};
+  for (int i = 0; i <= 24; ++i) points.push_back(OnCircle(kPi * i / 24));
+  return Extruded(Fan(points), 1, 4);
+}
+
+TriangleMesh DropPrism() {
+  std::vector<Vec3> points{{0, 0, 0}, {2, 0, 0}};
+  // The tangents from the corner touch the circle at ±60°.
+  for (int i = 0; i <= 16; ++i) points.push_back(OnCircle(kPi * (1.0 / 3 + 4.0 / 3 * i / 16)));
+  return Extruded(ClosedFan(std::move(points)), 1, 4);
+}
+
+TriangleMesh Pillow() {
+  TriangleMesh mesh;
+  for (int i = 0; i < 3; ++i) mesh.positions.push_back(OnCircle(2 * kPi * i / 3));
+  mesh.positions.push_back({0, 0, 0.1});
+  mesh.positions.push_back({0, 0, -0.1});
+  for (uint32_t i = 0; i < 3; ++i) {
+    mesh.triangles.push_back({VertexId(i), VertexId((i + 1) % 3), VertexId(3)});
+    mesh.triangles.push_back({VertexId((i + 1) % 3), VertexId(i), VertexId(4)});
+  }
+  return mesh;
+}
+
+TriangleMesh Lens(double height, int n) {
+  const double radius = (1 + height * height) / (2 * height);  // of the spheres
+  const TriangleMesh disk = Clipped(Sheet(n), [](const Vec3& p) { return std::hypot(p.x, p.y) - 0.999; });
+  const auto cap = [&](double sign) {
+    return Mapped(disk, [=](const Vec3& p) {
+      const double r2 = (p.x * p.x + p.y * p.y) / (0.999 * 0.999);
+      const double z = std::sqrt(radius * radius - r2) - (radius - height);
+      return Vec3{p.x / 0.999, p.y / 0.999, std::abs(r2 - 1) < 1e-9 ? 0 : sign * z};
+    });
+  };
+  TriangleMesh lens = Joined(cap(1), Reversed(cap(-1)));
+  const FaceAdjacency adjacency = CreateAdjacency(disk);
+  const auto half = static_cast<uint32_t>(disk.positions.size());
+  for (uint32_t f = static_cast<uint32_t>(disk.triangles.size()); f < lens.triangles.size(); ++f) {
+    for (VertexId& v : lens.triangles[f]) {
+      if (adjacency.IsRimVertex(v.index() - half)) v = VertexId(v.index() - half);
+    }
+  }
+  return WithoutUnreferenced(lens);
+}
+
+TriangleMesh Pyramid(double height) {
+  TriangleMesh mesh;
+  mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}, {0, 0, height}};
+  for (uint32_t i = 0; i < 4; ++i) mesh.triangles.push_back({VertexId(i), VertexId((i + 1) % 4), VertexId(4)});
+  AddSquare(mesh, {VertexId(0), VertexId(3), VertexId(2), VertexId(1)});
+  return mesh;
+}
+
+TriangleMesh StarPrism(int points, double inner, double height) {
+  std::vector<Vec3> around{{0, 0, 0}};
+  for (int i = 0; i < 2 * points; ++i) around.push_back((i % 2 == 0 ? 1 : inner) * OnCircle(kPi * i / points));
+  return Extruded(ClosedFan(std::move(around)), height);
 }
 
 TriangleMesh Fan(const std::vector<Vec3>& points) {

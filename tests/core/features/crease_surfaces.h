@@ -1,6 +1,7 @@
 // Shapes whose creases meet in every way, cut along them.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -22,46 +23,6 @@ inline std::unique_ptr<MeshSurface> CreasedSurfaceOf(TriangleMesh mesh) {
   EXPECT_TRUE(surface.ok()) << surface.status();
   EXPECT_TRUE((*surface)->ComputeCurvature({}).ok());
   return *std::move(surface);
-}
-
-// n edges along the arc.
-inline TriangleMesh HalfDisk(int n = 24) {
-  std::vector<Vec3> points{{0, 0, 0}};
-  for (int i = 0; i <= n; ++i) {
-    const double angle = std::numbers::pi * i / n;
-    points.push_back({std::cos(angle), std::sin(angle), 0});
-  }
-  return Fan(points);
-}
-// A prism over a half disk: one straight and one bent crease between the same two nodes, at the top and at the bottom.
-inline TriangleMesh HalfDiskPrism() { return Extruded(HalfDisk(), 1, 4); }
-
-// A prism over a drop, whose only corner is at (2, 0): its caps' creases run from a node to itself.
-inline TriangleMesh DropPrism() {
-  std::vector<Vec3> points{{0, 0, 0}, {2, 0, 0}};
-  for (int i = 0; i <= 16; ++i) {
-    const double angle = std::numbers::pi * (1.0 / 3 + 4.0 / 3 * i / 16);  // tangents from the corner touch here
-    points.push_back({std::cos(angle), std::sin(angle), 0});
-  }
-  points.push_back(points[1]);
-  TriangleMesh fan = Fan(points);
-  for (VertexId& v : fan.triangles.back()) v = v.index() == 18 + 1 ? VertexId(1) : v;
-  fan.positions.pop_back();
-  return Extruded(fan, 1, 4);
-}
-
-// Two triangles with a sharp common rim, each raised a little in its middle: two patches inside the same three creases.
-inline TriangleMesh Pillow() {
-  TriangleMesh mesh;
-  for (const double angle : {0.0, 2 * std::numbers::pi / 3, 4 * std::numbers::pi / 3})
-    mesh.positions.push_back({std::cos(angle), std::sin(angle), 0});
-  mesh.positions.push_back({0, 0, 0.1});
-  mesh.positions.push_back({0, 0, -0.1});
-  for (uint32_t i = 0; i < 3; ++i) {
-    mesh.triangles.push_back({VertexId(i), VertexId((i + 1) % 3), VertexId(3)});
-    mesh.triangles.push_back({VertexId((i + 1) % 3), VertexId(i), VertexId(4)});
-  }
-  return mesh;
 }
 
 // A sheet folded along y = 0: one crease from rim to rim.

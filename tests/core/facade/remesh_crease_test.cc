@@ -1,0 +1,272 @@
+// What must hold for shapes with sharp edges, at every rho and eta: creases stay where they are, what lies between them stays flat.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "core/geometry/bvh.h"
+#include "core/geometry/triangle.h"
+#include "core/remesh.h"
+#include "tests/core/facade/zoo.h"
+#include "tests/support/checking_sink.h"
+#include "tests/support/matchers.h"
+#include "tests/support/shapes.h"
+#include "tests/support/sharp_edges.h"
+
+namespace meshfront::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Combine;
+using ::testing::IsEmpty;
+using ::testing::ValuesIn;
+
+struct SharpShape {
+  std::string name;
+  TriangleMesh (*make)();
+  bool has_flat_faces_only = true;
+};
+void PrintTo(const SharpShape& shape, std::ostream* out) { *out << shape.name; }
+
+TriangleMesh Box(int n) {
+  return Mapped(Cube(n), [](const Vec3& p) { return Vec3{p.x, 1.5 * p.y, 0.7 * p.z}; });
+}
+
+TriangleMesh OpenBox() {
+  TriangleMesh box = Box(6);
+  std::erase_if(box.triangles, [&](const Triangle& t) {
+    return std::all_of(t.begin(), t.end(), [&](VertexId v) { return box.PositionAt(v).z > 0.69; });
+  });
+  return WithoutUnreferenced(box);
+}
+
+std::vector<SharpShape> SharpShapes() {
+  return {
+      {"BoxOfTwelveTriangles", [] { return Box(1); }},
+      {"Box", [] { return Box(8); }},
+      {"LBlock",
+       [] {
+         return Blocks(
+             {3, 3, 2}, [](int x, int y, int) { return x == 0 || y == 0; }, 2);
+       }},
+      {"PlateWithRoundHole", [] { return PlateWithRoundHole(); }, false},
+      {"CappedCylinder", [] { return CappedCylinder(1, 2, 48, 8); }, false},
+      {"Prism", [] { return CappedCylinder(1, 2, 6, 1); }},
+      {"Wedge", [] { return Wedge(std::numbers::pi / 12); }},
+      {"TwoBoxes",
+       [] {
+         return Joined(Box(3), Moved(Box(2), {2.5, 0, 0}));
+       }},
+      {"OpenBox", OpenBox},
+      {"BoxWithBoss",
+       [] {
+         return Blocks({5, 5, 2}, [](int x, int y, int z) { return z == 0 || (x / 2 == 1 && y / 2 == 1); });
+       }},
+      {"ThinPlate", [] { return Extruded(Sheet(4), 0.01); }},
+      {"NarrowWedge", [] { return Wedge(std::numbers::pi / 36, 4); }},
+      {"Pillow", Pillow, false},
+      {"Lens", [] { return Lens(0.5); }, false},
+      {"HalfDiskPrism", HalfDiskPrism, false},
+      {"DropPrism", DropPrism, false},
+      {"Pyramid", [] { return Pyramid(1); }},
+      {"Needle", [] { return Pyramid(12); }},
+      {"Star", [] { return StarPrism(5, 0.4, 0.6); }},
+      {"SharpStar", [] { return StarPrism(7, 0.2, 0.1); }},
+      {"Stairs",
+       [] {
+         return Blocks({4, 2, 4}, [](int x, int, int z) { return z <= x; });
+       }},
+      {"Frame",
+       [] {
+         return Blocks({3, 3, 3}, [](int x, int y, int z) { return (x == 1) + (y == 1) + (z == 1) < 2; });
+       }},
+      {"Cavity",
+       [] {
+         return Blocks({3, 3, 3}, [](int x, int y, int z) { return !(x == 1 && y == 1 && z == 1); });
+       }},
+      {"Roof", [] { return HeightField(10, [](double, double y) { return -std::abs(y); }); }},
+      {"Cross", [] { return HeightField(10, [](double x, double y) { return -std::abs(y) - std::abs(x); }); }},
+  };
+}
+
+struct Outcome {
+  TriangleMesh mesh;
+  Report report;
+};
+
+Outcome RemeshOrFail(const TriangleMesh& input, const RemeshOptions& options, int threads = 1) {
+  CheckingSink sink;
+  Context context;
+  context.threads = threads;
+  absl::StatusOr<Report> report = Remesh({input, options}, sink, context);
+  EXPECT_THAT(report, IsOk());
+  if (!report.ok()) return {};
+  sink.CheckEnd();
+  EXPECT_THAT(sink.complaints(), IsEmpty());
+  return {sink.mesh(), *std::move(report)};
+}
+
+double SizeOf(const TriangleMesh& mesh) { return BoundingBox(mesh).Diagonal(); }
+
+double VolumeOf(const TriangleMesh& mesh) {
+  double six = 0;
+  for (const Triangle& t : mesh.triangles)
+    six += Dot(mesh.PositionAt(t[0]), Cross(mesh.PositionAt(t[1]), mesh.PositionAt(t[2])));
+  return six / 6;
+}
+
+double AreaOf(const TriangleMesh& mesh) {
+  double area = 0;
+  for (const Triangle& t : mesh.triangles)
+    area += TriangleArea(mesh.PositionAt(t[0]), mesh.PositionAt(t[1]), mesh.PositionAt(t[2]));
+  return area;
+}
+
+std::vector<Segment> CreasesOf(const TriangleMesh& mesh) {
+  const FaceAdjacency adjacency = CreateAdjacency(mesh);
+  return SegmentsOf(mesh, adjacency, SharpEdges(mesh, adjacency));
+}
+
+double LengthOf(const std::vector<Segment>& segments) {
+  double length = 0;
+  for (const Segment& s : segments) length += Distance(s.from, s.to);
+  return length;
+}
+
+class EverySharpShape : public ::testing::TestWithParam<std::tuple<SharpShape, double, double>> {
+ protected:
+  void SetUp() override {
+    RemeshOptions options;
+    options.rho = std::get<1>(GetParam());
+    options.eta = std::get<2>(GetParam());
+    out = RemeshOrFail(input, options);
+  }
+  const SharpShape& shape() const { return std::get<0>(GetParam()); }
+
+  TriangleMesh input = shape().make();
+  Outcome out;
+};
+
+TEST_P(EverySharpShape, KeepsItsTopologyAndDoesNotIntersectItself) {
+  const TopologyReport before = MeasureTopology(input), after = MeasureTopology(out.mesh);
+  EXPECT_TRUE(out.report.complete);
+  EXPECT_THAT(out.mesh, AllOf(IsManifold(), HasComponents(before.components), HasGenus(*before.genus),
+                              HasBoundaryLoops(before.boundary_loops)));
+  EXPECT_EQ(after.closed, before.closed);
+  EXPECT_THAT(out.mesh, HasNoSelfIntersection());
+  EXPECT_EQ(out.report.output.triangles, after.triangles);
+  EXPECT_EQ(out.report.output.vertices, after.vertices);
+  EXPECT_EQ(out.report.output.components, after.components);
+  EXPECT_EQ(out.report.output.boundary_edges, after.boundary_edges);
+  EXPECT_EQ(out.report.output.boundary_loops, after.boundary_loops);
+  EXPECT_EQ(out.report.output.genus, after.genus);
+}
+
+// Every sharp edge of the output runs from one place on a crease of the input to another, and nothing of them is lost: straight ones are
+// as long as before, round ones lose what chords do.
+TEST_P(EverySharpShape, HasItsCreasesWhereTheyWere) {
+  const std::vector<Segment> before = CreasesOf(input), after = CreasesOf(out.mesh);
+  for (const Segment& s : after) {
+    for (const Vec3& p : {s.from, s.to}) {
+      double nearest = INFINITY;
+      for (const Segment& crease : before) nearest = std::min(nearest, DistanceTo(crease, p));
+      EXPECT_LT(nearest, 1e-12 * SizeOf(input));
+    }
+  }
+  if (shape().has_flat_faces_only)
+    EXPECT_NEAR(LengthOf(after), LengthOf(before), 1e-9 * LengthOf(before));
+  else
+    EXPECT_GT(LengthOf(after), 0.9 * LengthOf(before));
+}
+
+// Triangles of a flat face lie in it: their corners do, and together they have its area.
+TEST_P(EverySharpShape, KeepsFlatFacesFlat) {
+  if (!shape().has_flat_faces_only) GTEST_SKIP() << "it is round";
+  const TriangleBvh surface(input.positions, input.triangles);
+  for (const Vec3& p : out.mesh.positions)
+    EXPECT_LT(std::sqrt(surface.FindClosestPoint(p)->squared_distance), 1e-12 * SizeOf(input));
+  for (const Triangle& t : out.mesh.triangles) {
+    const Vec3 middle = (out.mesh.PositionAt(t[0]) + out.mesh.PositionAt(t[1]) + out.mesh.PositionAt(t[2])) / 3.0;
+    EXPECT_LT(std::sqrt(surface.FindClosestPoint(middle)->squared_distance), 1e-12 * SizeOf(input));
+  }
+  EXPECT_NEAR(AreaOf(out.mesh), AreaOf(input), 1e-9 * AreaOf(input));
+  if (MeasureTopology(input).closed) {
+    EXPECT_NEAR(VolumeOf(out.mesh), VolumeOf(input), 1e-9 * VolumeOf(input));
+  }
+}
+
+std::string NameOf(const ::testing::TestParamInfo<std::tuple<SharpShape, double, double>>& info) {
+  const auto digits = [](double x) { return std::to_string(static_cast<int>(std::lround(100 * x))); };
+  return std::get<0>(info.param).name + "Rho" + digits(std::get<1>(info.param)) + "Eta" +
+         digits(std::get<2>(info.param));
+}
+#ifdef MESHFRONT_COARSE_ZOO
+const std::vector<double> kRhos{1.0}, kEtas{1.2};
+#else
+const std::vector<double> kRhos{0.5, 1.0, 1.5}, kEtas{1.2, 1.5};
+#endif
+INSTANTIATE_TEST_SUITE_P(Shapes, EverySharpShape, Combine(ValuesIn(SharpShapes()), ValuesIn(kRhos), ValuesIn(kEtas)),
+                         NameOf);
+
+TEST(RemeshCreases, KeepRoundFacesRoundUpToTheirEdge) {
+  // On the wall of a cylinder nothing is as far off as the rounding of its edge would be.
+  const TriangleMesh input = CappedCylinder(1, 2, 48, 8);
+  const Outcome out = RemeshOrFail(input, {});
+  for (const Vec3& p : out.mesh.positions) {
+    const double off_wall = std::abs(std::hypot(p.x, p.y) - 1), off_cap = std::abs(std::abs(p.z) - 1);
+    EXPECT_LT(std::min(off_wall, off_cap), out.report.error_bound);
+  }
+}
+
+TEST(RemeshCreases, AreTheSameAtAnyNumberOfThreads) {
+  const TriangleMesh input = PlateWithRoundHole();
+  const Outcome one = RemeshOrFail(input, {}, 1);
+  for (const int threads : {2, 4}) {
+    const Outcome many = RemeshOrFail(input, {}, threads);
+    EXPECT_EQ(many.mesh.positions, one.mesh.positions) << threads;
+    EXPECT_EQ(many.mesh.triangles, one.mesh.triangles) << threads;
+  }
+}
+
+TEST(RemeshCreases, AreRoundedOffWithoutAnAngle) {
+  RemeshOptions options;
+  const auto corners = [](const TriangleMesh& mesh) {
+    return std::count_if(mesh.positions.begin(), mesh.positions.end(),
+                         [](const Vec3& p) { return std::abs(p.x) == 1 && std::abs(p.y) == 1 && std::abs(p.z) == 1; });
+  };
+  const Outcome kept = RemeshOrFail(Cube(8), options);
+  EXPECT_EQ(corners(kept.mesh), 8);
+  EXPECT_NEAR(VolumeOf(kept.mesh), 8, 1e-9);
+  options.crease_angle.reset();
+  const Outcome rounded = RemeshOrFail(Cube(8), options);
+  EXPECT_THAT(rounded.mesh, IsClosedManifold());
+  EXPECT_LT(corners(rounded.mesh), 8);
+  EXPECT_LT(VolumeOf(rounded.mesh), 8 - 1e-3);
+  EXPECT_GT(rounded.mesh.triangles.size(), 2 * kept.mesh.triangles.size()) << "and are expensive then";
+}
+
+TEST(RemeshCreases, AreThoseThatTurnByMoreThanTheAngle) {
+  // The walls of a prism of eight sides meet at 45°, and its caps at 90°.
+  const TriangleMesh prism = Mapped(CappedCylinder(1, 2, 8, 6), [](const Vec3& p) { return p; });
+  const auto corners = [&](double angle) {
+    RemeshOptions options;
+    options.crease_angle = angle;
+    const Outcome out = RemeshOrFail(prism, options);
+    std::set<double> kept;  // heights of vertices on the first upright edge
+    for (const Vec3& p : out.mesh.positions) {
+      if (p.x == 1 && p.y == 0) kept.insert(p.z);
+    }
+    return kept;
+  };
+  EXPECT_TRUE(corners(40).contains(1)) << "the upright edges are creases, from cap to cap";
+  EXPECT_GE(corners(40).size(), 2u);
+  EXPECT_LT(corners(60).size(), corners(40).size() + 1);
+}
+
+}  // namespace
+}  // namespace meshfront::testing
