@@ -1,4 +1,5 @@
 // What the program tells: the progress line, the stats, the figures, the sample, exit codes.
+#include <optional>
 #include <sstream>
 
 #include "client/cli/exit_code.h"
@@ -159,6 +160,17 @@ TEST(Stats, HaveNoRhoWhereTheSizingIsUniform) {
   summary.mutable_parameters()->mutable_options()->set_sizing(v1::SIZING_UNIFORM);
   summary.mutable_parameters()->mutable_options()->clear_rho();
   EXPECT_TRUE(StatsJson("1", summary, {})["parameters"]["rho"].is_null());
+}
+
+TEST(Stats, SayWhichEdgesWereCreases) {
+  const auto crease_angle_of = [](std::optional<double> degrees) {
+    Report report;
+    report.parameters.options.crease_angle = degrees;
+    return StatsJson("1", SummaryFromReport(report), {})["parameters"]["crease_angle"];
+  };
+  EXPECT_EQ(crease_angle_of(40), 40);
+  EXPECT_EQ(crease_angle_of(25.5), 25.5);
+  EXPECT_EQ(crease_angle_of(std::nullopt), "off");
 }
 
 TEST(Estimate, HoldsEveryKeyOfTheContract) {
