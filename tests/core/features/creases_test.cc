@@ -43,8 +43,8 @@ MATCHER(IsOnAnEdgeOfTheCube, "") {
   return is_on_two_faces(arg.from) && is_on_two_faces(arg.to) && is_on_two_faces(0.5 * (arg.from + arg.to));
 }
 
-// A sheet of n × n squares with ridges: vertices where `slope` is not 0 are raised by that part of an edge, so that the sheet turns by
-// atan(slope) at the foot and by twice that at the top.
+// A sheet of n × n squares with ridges: vertices where `slope` is not 0 are raised by that part of an edge, so that the sheet
+// turns by atan(slope) at the foot and by twice that at the top.
 TriangleMesh Ridges(int n, const std::function<double(double x, double y)>& slope) {
   return testing::HeightField(n, [&](double x, double y) { return 2.0 / n * slope(x, y); });
 }
