@@ -645,7 +645,9 @@ VertexId SettlingWindow::NameOf(const WindowVertex& v, std::vector<OutputVertex>
   Joint* const joint = v.joint == kNoJoint ? nullptr : &fronts_.joint(v.joint);
   if (joint != nullptr && joint->emitted.valid()) return joint->emitted;
   const VertexId name(next_output_++);
-  vertices.push_back({v.position, joint == nullptr ? v.source.normal : Normalized(joint->normal)});
+  // Where patches turn their backs on each other their normals cancel out: either is as good.
+  const Vec3 mean = joint == nullptr ? Vec3{} : Normalized(joint->normal);
+  vertices.push_back({v.position, mean == Vec3{} ? v.source.normal : mean});
   if (joint != nullptr) joint->emitted = name;
   return name;
 }

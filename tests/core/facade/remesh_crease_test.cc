@@ -228,6 +228,13 @@ TEST(RemeshCreases, KeepRoundFacesRoundUpToTheirEdge) {
   }
 }
 
+TEST(RemeshCreases, HaveANormalWhereTheSurfaceFoldsBackOnItself) {
+  // A sheet folded flat: along the fold the normals of both sides cancel out.
+  const TriangleMesh folded = Mapped(Sheet(8), [](const Vec3& p) { return Vec3{p.x, std::abs(p.y), 0}; });
+  const Outcome out = RemeshOrFail(folded, {});
+  EXPECT_THAT(out.mesh, AllOf(IsManifold(), HasComponents(1), HasBoundaryLoops(1)));
+}
+
 TEST(RemeshCreases, AreTheSameAtAnyNumberOfThreads) {
   const TriangleMesh input = PlateWithRoundHole();
   const Outcome one = RemeshOrFail(input, {}, 1);
