@@ -44,7 +44,8 @@ void AddMeshingFlags(CLI::App* command, MeshingFlags* flags) {
                       "on, off: vertices moved along the normal to fit the surface between them [on]");
   command->add_option("--repair", flags->repair, "on, off: mend the input before meshing [on]");
   command->add_option("--threads", flags->threads, "0: all cores; the output is the same for every number [0]");
-  command->add_option("--crease-angle", flags->crease_angle, "edges that turn by more degrees than this stay sharp, or off: none does [40]");
+  command->add_option("--crease-angle", flags->crease_angle,
+                      "edges that turn by more degrees than this stay sharp, or off: none does [40]");
   command->add_option("--attributes", flags->attributes,
                       "keep, drop: UV, colours, materials, … (not yet: dropped with a warning)");
   command->add_option("--surface", flags->surface, "auto, mesh; mls and imls: not yet [auto]");

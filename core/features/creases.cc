@@ -35,8 +35,10 @@ class CreaseFinder {
     BridgeGaps();
     MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
     DropSpurs();
-    DropSpecks();
-    DropSpurs();
+    for (const uint32_t most : {kSpeckFaces, kMaxSpeckFaces}) {
+      DropSpecks(most);
+      DropSpurs();
+    }
     return std::move(crease_);
   }
 
@@ -51,7 +53,7 @@ class CreaseFinder {
   void BridgeGaps();
   bool Bridge(uint32_t from, std::vector<uint32_t>& way) const;
   void DropSpurs();
-  void DropSpecks();
+  void DropSpecks(uint32_t most);
 
   double CosineAt(uint32_t h) const { return Dot(normals_[h / 3], normals_[adjacency_.OppositeOf(h) / 3]); }
   void Set(uint32_t h, bool value) {
@@ -172,7 +174,7 @@ void CreaseFinder::DropSpurs() {
 
 // Clusters of small patches with one large patch around them, whose faces are as large as those around: noise, or what the input
 // does not resolve.
-void CreaseFinder::DropSpecks() {
+void CreaseFinder::DropSpecks(uint32_t most) {
   const size_t n = mesh_.triangles.size();
   FaceAdjacency cut{adjacency_.opposite, {}};
   for (uint32_t h = 0; h < HalfEdges(); ++h) {
@@ -186,19 +188,18 @@ void CreaseFinder::DropSpecks() {
   for (uint32_t f = 0; f < n; ++f) {
     for (uint32_t& across : small.opposite[f]) {
       if (across == kNoHalfEdge) continue;
-      if (sizes[patches.label[f]] > kMaxSpeckFaces || sizes[patches.label[across / 3]] > kMaxSpeckFaces)
-        across = kNoHalfEdge;
+      if (sizes[patches.label[f]] > most || sizes[patches.label[across / 3]] > most) across = kNoHalfEdge;
     }
   }
   const FaceComponents clusters = LabelComponents(small);
   struct Cluster {
     uint32_t faces = 0, large = kNoHalfEdge;
-    bool is_speck = true;
+    bool is_inside = true;  // one large patch
+    bool is_speck = false;
     double length = 0, length_around = 0;  // sums of the faces' longest sides
-    uint32_t around = 0;
+    uint32_t around = 0, most_around = 0;  // sides towards large patches, and faces of the largest
     Box3 box;
-    double sharpest = 1;  // least cosine between faces across its creases
-    double cosines = 0;   // of the turns of its creases from edge to edge
+    double cosines = 0;  // of the turns of its creases from edge to edge
     uint32_t turns = 0;
   };
   std::map<uint32_t, Cluster> found;
@@ -211,19 +212,17 @@ void CreaseFinder::DropSpecks() {
     return std::sqrt(longest2);
   };
   for (uint32_t f = 0; f < n; ++f) {
-    if (sizes[patches.label[f]] > kMaxSpeckFaces) continue;
+    if (sizes[patches.label[f]] > most) continue;
     Cluster& c = found[clusters.label[f]];
     ++c.faces;
     c.length += longest_of(f);
-    for (int i = 0; i < 3; ++i) {
-      if (crease_[3 * f + i]) c.sharpest = std::min(c.sharpest, CosineAt(3 * f + i));
-    }
     for (const VertexId v : mesh_.triangles[f]) c.box.Extend(mesh_.PositionAt(v));
     for (const uint32_t across : adjacency_.opposite[f]) {
-      if (across == kNoHalfEdge || sizes[patches.label[across / 3]] <= kMaxSpeckFaces) continue;
+      if (across == kNoHalfEdge || sizes[patches.label[across / 3]] <= most) continue;
       const uint32_t other = patches.label[across / 3];
-      c.is_speck = c.is_speck && (c.large == kNoHalfEdge || c.large == other);
+      c.is_inside = c.is_inside && (c.large == kNoHalfEdge || c.large == other);
       c.large = other;
+      c.most_around = std::max(c.most_around, sizes[other]);
       c.length_around += longest_of(across / 3), ++c.around;
     }
   }
@@ -244,10 +243,14 @@ void CreaseFinder::DropSpecks() {
   for (auto& [label, c] : found) {
     const bool is_fine = c.length / c.faces <= kSpeckFineness * c.length_around / c.around;
     const bool is_small = c.box.Diagonal() < kSpeckOfDiagonal * diagonal;
-    const bool is_fold = c.sharpest < kFoldCosine;
-    const bool zigzags = c.cosines < kZigzagCosine * c.turns;
-    c.is_speck = c.is_speck && c.around > 0 && c.faces <= kMaxSpeckFaces &&
-                 ((c.faces <= kSpeckFaces && !is_fine) || is_small || (zigzags && !is_fine && !is_fold));
+    // Or has hardly a way that could: a spike's edges all end in nodes.
+    const bool zigzags = c.cosines < kZigzagCosine * c.turns || (2 * c.turns < c.faces && c.faces <= kSpeckFaces);
+    const bool is_island = c.is_inside && c.most_around > kIslandsSea;
+    const bool is_few = c.faces <= kSpeckFaces;
+    const bool is_lost = c.most_around >= kLargePerSpeck * c.faces;
+    const bool is_lost_smooth = is_few && c.most_around >= kLargePerSmoothSpeck * c.faces;
+    const bool may_go = (zigzags && (is_lost || (is_island && is_few))) || is_lost_smooth;
+    c.is_speck = c.around > 0 && c.faces <= most && ((may_go && !is_fine) || (is_island && is_small));
   }
   for (uint32_t h = 0; h < HalfEdges(); ++h) {
     if (!crease_[h]) continue;

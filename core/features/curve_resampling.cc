@@ -191,7 +191,7 @@ class Resampler {
     for (size_t i = 0; i < points_.size(); ++i) {
       const std::optional<uint32_t> far = FarthestFromChord(i);
       if (!far) continue;
-      const double room = kMinAnchorDistance * field_(curve_[*far]);
+      const double room = RoomAt(*far, i);
       if (!found.empty() && Distance(curve_[*far], curve_[found.back()]) < room) continue;
       const auto next = std::upper_bound(anchors.begin(), anchors.end(), *far);
       const uint32_t after = next == anchors.end() ? EndAfter(anchors) : *next;
@@ -200,6 +200,14 @@ class Resampler {
       found.push_back(*far);
     }
     return found;
+  }
+
+  // How far from others a vertex under the chord from point i must lie to become an anchor. Between two nodes the curve is followed
+  // however coarse the field is: a crease of a few edges is seen as much as a long one.
+  double RoomAt(uint32_t vertex, size_t i) const {
+    if (curve_.closed()) return kMinAnchorDistance * field_(curve_[vertex]);
+    const Vec3 end = i + 1 < points_.size() ? curve_.At(points_[i + 1]) : curve_[curve_.size() - 1];
+    return kMinCreaseAnchorDistance * Distance(curve_.At(points_[i]), end);
   }
 
   // Of the vertices that the chord from point i to the next skips, the one farthest from it, if that is too far.
@@ -211,7 +219,8 @@ class Resampler {
       if (!curve_.closed()) b = {static_cast<uint32_t>(curve_.size() - 1), 0};
     }
     const Vec3 from = curve_.At(a), to = curve_.At(b);
-    double farthest = kMaxSagittaShare * std::max(Distance(from, to), field_(from));
+    double farthest = curve_.closed() ? kMaxSagittaShare * std::max(Distance(from, to), field_(from))
+                                      : kMaxCreaseSagittaShare * Distance(from, to);
     std::optional<uint32_t> vertex;
     const uint32_t end = b.t > 0 ? b.segment + 1 : b.segment;
     for (uint32_t k = a.segment + 1; k < end; ++k) {

@@ -13,6 +13,10 @@ inline constexpr size_t kChordReach = 64;
 // A chord may leave skipped parts of the curve at most this far aside, as a share of its length or of g: the sagitta of an arc of
 // 1.5 radians. Sizing samples along curves keep it below that; this is the net under noise and hairpins.
 inline constexpr double kMaxSagittaShare = 0.2;
+// Between nodes of the feature graph: of the chord alone, the sagitta of an arc of one radian; and how near, as a share of the chord
+// that it divides, a vertex may lie to the next.
+inline constexpr double kMaxCreaseSagittaShare = 0.125;
+inline constexpr double kMinCreaseAnchorDistance = 0.2;
 inline constexpr int kMaxRefinements = 4;  // rounds in which such places get a vertex
 // Corners, and vertices added in that way, are at least this share of g apart along the curve, lest front edges become so
 // short that no good triangle grows from them.
@@ -44,22 +48,25 @@ inline constexpr size_t kMaxWindow = 256;
 inline constexpr size_t kChordStopInterval = 16;  // vertices between two looks at the context while chords are tried
 // Ideal length on a curve is at most its length divided by this: g is l/η there, so a small hole gets about five vertices.
 inline constexpr double kMinEdgesPerLoop = 4;
-
 // Gaps in a crease are bridged over edges that turn by at least this part of the angle …
 inline constexpr double kWeakCrease = 0.5;
 inline constexpr int kMaxBridge = 6;                // … so many of them
 inline constexpr double kBridgeStraightness = 0.7;  // … each within 45° of the one before (cosine)
 // A face lower than this part of its longest side squared has no normal of its own.
 inline constexpr double kSliverHeight = 1e-4;
-// Patches that touch and have at most so many faces together may be a speck: if they are very few, with sides that are not shorter
-// than this part of those around, or all within this part of the diagonal …
-inline constexpr uint32_t kSpeckFaces = 40, kMaxSpeckFaces = 400;
-inline constexpr double kSpeckFineness = 0.25;
+// Patches that touch are a speck …
+// … within this part of the diagonal, inside one patch of more faces than that;
 inline constexpr double kSpeckOfDiagonal = 0.005;
-// … or if their creases zigzag: mean cosine of the turn from edge to edge.
+inline constexpr uint32_t kIslandsSea = 150;
+// … or with sides that are not shorter than this part of those around, if together they have at most so many faces, and
+inline constexpr double kSpeckFineness = 0.25;
+inline constexpr uint32_t kMaxSpeckFaces = 1000;
+//     their creases zigzag (mean cosine of the turn from edge to edge), and they are few and inside one patch, or some patch at
+//     them has so many times their faces;
 inline constexpr double kZigzagCosine = 0.85;
-// Where faces across an edge turn their backs on each other (cosine), a speck of more faces than the first is kept: no smooth
-// patch goes over that.
-inline constexpr double kFoldCosine = 0.0;
+inline constexpr uint32_t kSpeckFaces = 40;
+inline constexpr uint32_t kLargePerSpeck = 100;
+//     or, few and smooth, so many times.
+inline constexpr uint32_t kLargePerSmoothSpeck = 1000;
 
 }  // namespace meshfront

@@ -832,6 +832,7 @@ absl::StatusOr<FrontReport> AdvancingFront::Run(const std::vector<OrientedLoop>&
   do {
     // What was taken back within the last area is on the agenda already.
     while (OpenArea() || !agenda_.empty() || RescueStuck()) {
+      MESHFRONT_RETURN_IF_ERROR(context_.CheckStop());
       MESHFRONT_RETURN_IF_ERROR(AdvanceArea());
       if (HasRunAway()) AbandonAll();
       if (fronts_.triangle_count() >= 3 * window_after_settling_ / 2 + kMinSettleBatch)

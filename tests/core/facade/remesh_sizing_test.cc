@@ -248,6 +248,7 @@ TEST(MaxError, IsSaidToBeExceededWhereItCannotBeKept) {
     EXPECT_THAT(kept.warnings, ::testing::IsEmpty());
     EXPECT_DOUBLE_EQ(kept.error_bound, 0.01);
   }
+  options.crease_angle.reset();
   options.min_edge = Length{0.15, false};  // rounds the cube's edges off by more than that
   const Report sharp = RemeshOrFail(Cube(8), options).report;
   ASSERT_THAT(sharp.warnings, ::testing::SizeIs(1));

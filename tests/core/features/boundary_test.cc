@@ -252,7 +252,7 @@ TEST(BoundaryLoops, DivideTwoCurvesBetweenTheSameNodes) {
   const auto surface = testing::CreasedSurfaceOf(testing::HalfDiskPrism());
   const auto loops = LoopsOf(*surface, Uniform(1e3));
   const std::set<JointEdge> edges = CreaseEdges(loops);
-  EXPECT_THAT(edges, SizeIs(2 * (4 * 2 + 2))) << "two for each arc and each diameter, one up each side";
+  EXPECT_THAT(edges, SizeIs(2 * (2 * 4 + 2 * 2 + 2))) << "two for each diameter, four for each arc, one up each side";
 }
 
 TEST(BoundaryLoops, DivideACurveFromANodeToItselfIntoThree) {

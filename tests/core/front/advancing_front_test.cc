@@ -396,8 +396,9 @@ class RoughSphere : public SphereSurface {
   }
   SourcePoint Snap(const SourcePoint& start, const Vec3& target) const override {
     SourcePoint x = SphereSurface::Snap(start, target);
-    // The middle of a long side finds its way to the surface lost: the next snap from there stays where it is.
-    if (Distance(x.position, place_) < radius_ && Distance(start.position, target) > 0.5 * finest_) return start;
+    // What lies between the corners of a long triangle finds its way to the surface lost, to its other side.
+    if (Distance(x.position, place_) < radius_ && Distance(start.position, target) > 0.5 * finest_)
+      return SphereSurface::Snap(start, -1.0 * target);
     return x;
   }
 
