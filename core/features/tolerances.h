@@ -64,6 +64,8 @@ inline constexpr uint32_t kMaxSpeckFaces = 1000;
 //     their creases zigzag (mean cosine of the turn from edge to edge), and they are few and inside one patch, or some patch at
 //     them has so many times their faces;
 inline constexpr double kZigzagCosine = 0.85;
+//     (two creases that leave a vertex within 15° of each other, in what is small against the patch around it, are as good as that;)
+inline constexpr double kWedgeCosine = 0.966;
 inline constexpr uint32_t kSpeckFaces = 40;
 inline constexpr uint32_t kLargePerSpeck = 100;
 //     or, few and smooth, so many times.
