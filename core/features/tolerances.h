@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 namespace meshfront {
 
@@ -54,21 +55,23 @@ inline constexpr int kMaxBridge = 6;                // … so many of them
 inline constexpr double kBridgeStraightness = 0.7;  // … each within 45° of the one before (cosine)
 // A face lower than this part of its longest side squared has no normal of its own.
 inline constexpr double kSliverHeight = 1e-4;
-// Patches that touch are a speck …
-// … within this part of the diagonal, inside one patch of more faces than that;
+
+// Specks (specks.h). A cluster of small patches inside one large patch, the sea, is one
+// … if it lies within this part of the diagonal of the mesh, and the sea has more faces than that;
 inline constexpr double kSpeckOfDiagonal = 0.005;
 inline constexpr uint32_t kIslandsSea = 150;
-// … or with sides that are not shorter than this part of those around, if together they have at most so many faces, and
-inline constexpr double kSpeckFineness = 0.25;
+// … or, of at most so many faces in all, with sides that are not shorter than this part of those around it,
 inline constexpr uint32_t kMaxSpeckFaces = 1000;
-//     their creases zigzag (mean cosine of the turn from edge to edge), and they are few and inside one patch, or some patch at
-//     them has so many times their faces;
+inline constexpr double kSpeckFineness = 0.25;
+//     if its creases zigzag (mean cosine of the turns from edge to edge: 32°), and it has at most so many faces or the sea so many
+//     times its faces;
 inline constexpr double kZigzagCosine = 0.85;
-//     (two creases that leave a vertex within 15° of each other, in what is small against the patch around it, are as good as that;)
-inline constexpr double kWedgeCosine = 0.966;
 inline constexpr uint32_t kSpeckFaces = 40;
-inline constexpr uint32_t kLargePerSpeck = 100;
-//     or, few and smooth, so many times.
-inline constexpr uint32_t kLargePerSmoothSpeck = 1000;
+inline constexpr uint32_t kSeaPerSpeck = 100;
+//     if two creases leave a vertex within 15° of each other (cosine), which would be a needle of the output, and the sea is as
+//     large;
+inline constexpr double kWedgeCosine = 0.966;
+//     or if it has few faces, however it runs, and the sea so many times as many.
+inline constexpr uint32_t kSeaPerSmoothSpeck = 1000;
 
 }  // namespace meshfront

@@ -27,8 +27,6 @@
 #include <map>
 #include <queue>
 
-#include "absl/container/flat_hash_map.h"
-#include "absl/container/flat_hash_set.h"
 #include "absl/functional/function_ref.h"
 #include "core/base/status_macros.h"
 #include "core/front/agenda.h"
@@ -36,11 +34,12 @@
 #include "core/front/fence_index.h"
 #include "core/front/front_set.h"
 #include "core/front/local_field.h"
+#include "core/front/loop_closing.h"
+#include "core/front/open_boundary.h"
 #include "core/front/proposer.h"
 #include "core/front/settling_window.h"
 #include "core/front/tolerances.h"
 #include "core/geometry/triangle.h"
-#include "core/mesh/union_find.h"
 
 namespace meshfront {
 namespace {
@@ -57,15 +56,13 @@ constexpr int kStepsBetweenChecks = 64;   // of the stop flag and the clock: wel
 constexpr size_t kMinSettleBatch = 3000;  // triangles, before the window is worth a sweep
 // Stage of kStrictness that hardly looks at normals and may fold the mesh: taken only where closing and rolling back have failed.
 constexpr size_t kMayFold = 3;
-constexpr int kMaxLoopToTriangulate = 64;  // edges; the triangulation is cubic
-constexpr double kRollBackLength = 0.7;    // of g, where the front has to advance again
+constexpr double kRollBackLength = 0.7;  // of g, where the front has to advance again
 constexpr size_t kMaxRollBacksAtAPlace = 5;
 constexpr size_t kMaxRollBacksForShape = 3;  // the same for slivers
 constexpr size_t kMaxRollBacks = 500;
 constexpr int kRollBackRings = 2;
 constexpr double kRollBackReach = 4.0;         // edge lengths around a place that count as the same place
 constexpr double kOwnIntersectionReach = 1.5;  // edge lengths around a fault in which the surface may meet itself
-constexpr double kDihedralPenalty = 4.0;       // weight of a fold in a closure, against one mean squared edge
 
 struct EdgeRef {
   FrontEdgeId edge;
@@ -100,8 +97,6 @@ class AdvancingFront {
   absl::StatusOr<FrontReport> Run(const std::vector<OrientedLoop>& loops, const std::vector<SourcePoint>& seeds);
 
  private:
-  using VertexPair = std::pair<uint32_t, uint32_t>;  // ends of an edge, by FrontSet::IdentityOf
-
   // What the agenda needs to know of a live front edge.
   struct EdgeState {
     AgendaStage stage = AgendaStage::kFree;
@@ -141,7 +136,6 @@ class AdvancingFront {
   absl::Status Settle(bool everything);
   bool RescueStuck();  // the next rung of the ladder; false when nothing is left to do
   void RescueLoops(const std::vector<EdgeRef>& stuck, absl::FunctionRef<bool(const std::vector<FrontEdgeId>&)> rescue);
-  std::vector<FrontEdgeId> LoopOf(FrontEdgeId edge) const;
   bool CloseLoop(const std::vector<FrontEdgeId>& loop, const Strictness& strictness);
   bool RollBackLoop(const std::vector<FrontEdgeId>& loop);
   bool TakeBack(WindowTriangleId t, size_t limit);
@@ -151,17 +145,14 @@ class AdvancingFront {
   bool HasRunAway() const;
   void AbandonAll();
   void ReportProgress();
-  std::vector<std::vector<FrontEdgeId>> OpenLoops() const;
   void ReportOpenPlaces(FrontReport& report) const;
-  void ReportBoundary(FrontReport& report) const;
   FrontReport Summarise() const;
 
   uint32_t NewOrigin() { return labels_.emplace_back(static_cast<uint32_t>(labels_.size())); }
-  static uint32_t RootOf(const std::vector<uint32_t>& labels, uint32_t label) {
-    while (labels[label] != label) label = labels[label];
+  uint32_t RootOf(uint32_t label) const {
+    while (labels_[label] != label) label = labels_[label];
     return label;
   }
-  uint32_t RootOf(uint32_t label) const { return RootOf(labels_, label); }
   EdgeState& StateOf(FrontEdgeId edge) {
     if (states_.size() <= edge.index()) states_.resize(2 * edge.index() + 16);
     return states_[edge.index()];
@@ -187,8 +178,8 @@ class AdvancingFront {
   uint64_t steps_ = 0, steps_at_last_rescue_ = 0;
   size_t window_after_settling_ = 0;
   uint64_t peak_front_edges_ = 0, roll_backs_ = 0;
-  std::vector<VertexPair> rim_edges_;  // of the surface, creases left out
-  std::vector<uint32_t> labels_;       // union-find over the origins of the fronts: counts the components
+  std::vector<RimEdge> rim_edges_;  // of the surface, creases left out
+  std::vector<uint32_t> labels_;    // union-find over the origins of the fronts: counts the components
   size_t lost_components_ = 0;
   std::vector<Vec3> open_places_;  // seeds without a triangle; the loops that stay open are found at the end
 };
@@ -465,16 +456,6 @@ void AdvancingFront::AfterStep(const FrontSet::Step& step) {
   peak_front_edges_ = std::max<uint64_t>(peak_front_edges_, fronts_.front_edge_count());
 }
 
-std::vector<FrontEdgeId> AdvancingFront::LoopOf(FrontEdgeId edge) const {
-  std::vector<FrontEdgeId> loop;
-  FrontEdgeId e = edge;
-  do {
-    loop.push_back(e);
-    e = fronts_.at(e).next;
-  } while (e != edge);
-  return loop;
-}
-
 bool AdvancingFront::RescueStuck() {
   std::vector<EdgeRef> stuck;
   stuck.swap(stuck_);
@@ -512,7 +493,7 @@ void AdvancingFront::RescueLoops(const std::vector<EdgeRef>& stuck,
                                  absl::FunctionRef<bool(const std::vector<FrontEdgeId>&)> rescue) {
   for (const EdgeRef& r : stuck) {
     if (!fronts_.IsAlive(r.edge, r.generation) || StateOf(r.edge).abandoned || !StateOf(r.edge).stuck) continue;
-    const std::vector<FrontEdgeId> loop = LoopOf(r.edge);
+    const std::vector<FrontEdgeId> loop = fronts_.LoopOf(r.edge);
     // Taken back since by another loop's rescue: it can advance again.
     if (!std::all_of(loop.begin(), loop.end(), [&](FrontEdgeId e) { return StateOf(e).stuck; })) continue;
     steps_ += rescue(loop);
@@ -520,62 +501,13 @@ void AdvancingFront::RescueLoops(const std::vector<EdgeRef>& stuck,
 }
 
 bool AdvancingFront::CloseLoop(const std::vector<FrontEdgeId>& loop, const Strictness& strictness) {
-  const int n = static_cast<int>(loop.size());
-  if (n > kMaxLoopToTriangulate || !proposer_.SurroundsOpenSide(loop[0])) return false;
-  std::vector<WindowVertexId> v;
-  double mean_square = 0;
-  for (const FrontEdgeId e : loop) {
-    v.push_back(fronts_.From(e));
-    mean_square += SquaredDistance(fronts_.at(v.back()).position, fronts_.at(fronts_.To(e)).position) / n;
-  }
-  for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < i; ++j) {
-      if (v[i] == v[j]) return false;  // pinched: left to the other rungs
-    }
-  }
-  const auto weight = [&](int first, int apex, int last) -> double {
-    // Loop edges run from position i to i + 1 with the open side on the right: the triangle is (last, apex, first) reversed.
-    const WindowVertex &p = fronts_.at(v[first]), &q = fronts_.at(v[apex]), &r = fronts_.at(v[last]);
-    for (const auto& [i, j] : {std::pair{first, apex}, std::pair{apex, last}, std::pair{first, last}}) {
-      const bool on_loop = j == i + 1 || (i == 0 && j == n - 1);
-      if (!on_loop && fronts_.EdgeExists(v[i], v[j])) return -1;
-    }
-    const Vec3 area = AreaVector(r.position, q.position, p.position);
-    const Vec3 normal = Normalized(area);
-    const double agreement =
-        std::min({Dot(normal, p.source.normal), Dot(normal, q.source.normal), Dot(normal, r.source.normal)});
-    if (agreement < strictness.min_normal_cosine) return -1;
-    const double longest =
-        std::sqrt(std::max({SquaredDistance(p.position, q.position), SquaredDistance(q.position, r.position),
-                            SquaredDistance(r.position, p.position)}));
-    if (strictness.sheet_tolerance < 1 &&
-        !proposer_.StandsForSurface(r.source, p.source, q.source, false, false, strictness.sheet_tolerance * longest)) {
-      return -1;
-    }
-    return Norm(area) + kDihedralPenalty * mean_square * (1 - agreement);
-  };
-  const auto steps = TriangulateLoop(n, weight);
+  const auto steps = ProposeClosure(fronts_, proposer_, loop, strictness);
   if (!steps) return false;
-  // A loop of three whose triangle would lie back to back with the one behind it is no closure.
-  for (const FrontEdgeId e : loop) {
-    const Link owner = fronts_.at(e).owner;
-    if (n == 3 && owner.is_half_edge()) {
-      const WindowVertexId opposite = fronts_.at(owner.triangle()).corners[(owner.side() + 2) % 3];
-      if (std::find(v.begin(), v.end(), opposite) != v.end()) return false;
-    }
-  }
+  std::vector<WindowVertexId> v;
+  for (const FrontEdgeId e : loop) v.push_back(fronts_.From(e));
   for (const ClosureStep& s : *steps) {
-    // The base runs from v[last] to v[first] as a front edge; find it and the apex's corner on its loop.
-    FrontEdgeId base, corner;
-    for (FrontEdgeId c = fronts_.at(v[s.last]).first_corner; c.valid(); c = fronts_.at(c).next_at_vertex) {
-      if (fronts_.To(c) == v[s.first]) base = c;
-    }
-    if (!base.valid()) return true;  // cannot be: the steps come in order
-    for (FrontEdgeId e = fronts_.at(base).next; e != base; e = fronts_.at(e).next) {
-      if (fronts_.From(e) == v[s.apex]) corner = e;
-    }
-    if (!corner.valid()) return true;
-    Connect(base, corner, TriangleKind::kClosing);
+    const FrontEdgeId base = fronts_.FindEdge(v[s.last], v[s.first]);
+    Connect(base, fronts_.CornerOnLoop(base, v[s.apex]), TriangleKind::kClosing);
   }
   return true;
 }
@@ -683,73 +615,12 @@ void AdvancingFront::Abandon(const std::vector<FrontEdgeId>& loop) {
 }
 
 // What is open at the end, rather than what was abandoned: another front may have reached an abandoned loop since.
-std::vector<std::vector<FrontEdgeId>> AdvancingFront::OpenLoops() const {
-  std::vector<std::vector<FrontEdgeId>> loops;
-  std::vector<bool> seen(fronts_.edge_slots(), false);
-  for (uint32_t i = 0; i < seen.size(); ++i) {
-    if (seen[i] || !fronts_.at(FrontEdgeId(i)).alive) continue;
-    loops.push_back(LoopOf(FrontEdgeId(i)));
-    for (const FrontEdgeId e : loops.back()) seen[e.index()] = true;
-  }
-  return loops;
-}
-
 void AdvancingFront::ReportOpenPlaces(FrontReport& report) const {
-  for (const std::vector<FrontEdgeId>& loop : OpenLoops()) {
+  for (const std::vector<FrontEdgeId>& loop : OpenLoops(fronts_)) {
     Vec3 middle;
     for (const FrontEdgeId e : loop) middle += fronts_.at(fronts_.From(e)).position / static_cast<double>(loop.size());
     report.open_places.push_back(middle);
   }
-}
-
-// The mesh's boundary: the surface's rims where they have a triangle, the triangles' sides on open fronts, and the creases with a
-// triangle on one side only. A front that touches neither rim nor crease is a loop of its own; what is left is as many loops as it
-// has connected parts.
-void AdvancingFront::ReportBoundary(FrontReport& report) const {
-  // Vertices inside a patch get names that no vertex on a rim had before them.
-  const auto name_of = [this](WindowVertexId v) {
-    const bool is_inner = !fronts_.at(v).on_rim;
-    return uint64_t{fronts_.IdentityOf(v)} | uint64_t{is_inner} << 32;
-  };
-  std::vector<std::pair<uint64_t, uint64_t>> edges;
-  absl::flat_hash_set<VertexPair> bare;  // edges of rims without a triangle
-  std::map<uint64_t, int> ends;          // of the boundary's edges at each vertex: two, unless it is pinched
-  for (const std::vector<FrontEdgeId>& loop : OpenLoops()) {
-    const size_t edges_before = edges.size();
-    bool is_apart = true;
-    for (const FrontEdgeId e : loop) {
-      const WindowVertexId from = fronts_.From(e), to = fronts_.To(e);
-      is_apart = is_apart && !fronts_.at(e).owner.is_rim() && fronts_.at(from).joint == kNoJoint;
-      if (!fronts_.at(e).owner.is_rim())
-        edges.push_back({name_of(from), name_of(to)});
-      else
-        bare.insert({fronts_.IdentityOf(from), fronts_.IdentityOf(to)});
-    }
-    if (!is_apart) continue;
-    for (size_t i = edges_before; i < edges.size(); ++i) ++ends[edges[i].first], ++ends[edges[i].second];
-    edges.resize(edges_before);
-    report.boundary_edges += loop.size();
-    ++report.boundary_loops;
-  }
-  for (const VertexPair& rim : rim_edges_) {
-    if (!bare.contains(rim)) edges.push_back(rim);
-  }
-  for (const auto& [u, v] : fronts_.BareCreases())
-    edges.push_back({FrontSet::IdentityOfJoint(u), FrontSet::IdentityOfJoint(v)});
-  absl::flat_hash_map<uint64_t, uint32_t> places;
-  UnionFind parts(2 * edges.size());
-  const auto place_of = [&](uint64_t name) {
-    return places.try_emplace(name, static_cast<uint32_t>(places.size())).first->second;
-  };
-  size_t joined = 0;
-  for (const auto& [from, to] : edges) {
-    const uint32_t u = place_of(from), v = place_of(to);
-    joined += parts.Unite(u, v);
-    ++ends[from], ++ends[to];
-  }
-  report.boundary_edges += edges.size();
-  report.boundary_loops += places.size() - joined;
-  for (const auto& [vertex, count] : ends) report.pinched_vertices += count > 2;
 }
 
 void AdvancingFront::ReportProgress() {
@@ -811,10 +682,12 @@ FrontReport AdvancingFront::Summarise() const {
   report.largest_deviation = counts.largest_deviation;
   report.beyond_max_error = counts.beyond_max_error;
   report.quality = counts.quality.Report();
-  report.boundary_edges = window_.rim_insertions();
+  const OpenBoundary boundary = MeasureBoundary(fronts_, rim_edges_);
+  report.boundary_edges = boundary.edges + window_.rim_insertions();
+  report.boundary_loops = boundary.loops;
+  report.pinched_vertices = boundary.pinched_vertices;
   report.open_places = open_places_;
   ReportOpenPlaces(report);
-  ReportBoundary(report);
   report.open_places.insert(report.open_places.end(), window_.faults().begin(), window_.faults().end());
   for (uint32_t i = 0; i < labels_.size(); ++i) report.components += labels_[i] == i;
   report.components -= lost_components_;

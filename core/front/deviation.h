@@ -1,4 +1,5 @@
-// How far a triangle of the output is from the surface, with a bound between the places that are looked at.
+// How far a triangle of the output is from the surface, with a bound between the places that are looked at (engine sec. 3, error
+// mode). Distances are absolute.
 #pragma once
 
 #include <array>
@@ -32,8 +33,7 @@ class DeviationMeter {
   // Where the surface can tell of all places that are far along the triangle's normal (Surface::FindFarPlaces), there are none in
   // most triangles, and those are walked from else. Where it can't, the distance is measured at the middles of the sides, and so on
   // in the four parts that they make, wherever the parts' corners and the surface's bend between them can't rule out more than the
-  // bound; so that between those
-  // places it may be more by what the distance grows over a 128th of a side.
+  // bound; so that between those places it may be more by what the distance grows over a 128th of a side.
   Deviation Measure(const std::array<PlaceAndFoot, 3>& corners);
   // The surface's corners that the last Measure found farther from the triangle, along its normal, than the bound: perhaps from other
   // triangles, too.

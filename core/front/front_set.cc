@@ -437,6 +437,28 @@ bool FrontSet::EdgeExists(WindowVertexId u, WindowVertexId v) const {
   return AnyNeighbour(u, [v](WindowVertexId w) { return w == v; });
 }
 
+std::vector<FrontEdgeId> FrontSet::LoopOf(FrontEdgeId edge) const {
+  std::vector<FrontEdgeId> loop;
+  FrontEdgeId e = edge;
+  do {
+    loop.push_back(e);
+    e = at(e).next;
+  } while (e != edge);
+  return loop;
+}
+
+FrontEdgeId FrontSet::FindEdge(WindowVertexId u, WindowVertexId v) const {
+  FrontEdgeId e = at(u).first_corner;
+  while (To(e) != v) e = at(e).next_at_vertex;
+  return e;
+}
+
+FrontEdgeId FrontSet::CornerOnLoop(FrontEdgeId edge, WindowVertexId v) const {
+  FrontEdgeId e = edge;
+  while (From(e) != v) e = at(e).next;
+  return e;
+}
+
 size_t FrontSet::LoopLength(FrontEdgeId edge, size_t limit) const {
   size_t length = 0;
   FrontEdgeId e = edge;

@@ -170,6 +170,11 @@ class FrontSet {
   // Whether some triangle side or front edge already joins u and v; true as well when nobody can tell, because both have
   // triangles that are settled and gone. O(triangles around one of them).
   bool EdgeExists(WindowVertexId u, WindowVertexId v) const;
+  // The edges of a loop, from `edge` on in its direction.
+  std::vector<FrontEdgeId> LoopOf(FrontEdgeId edge) const;
+  // The front edge from u to v, and on its loop the corner at a vertex. Both must be there.
+  FrontEdgeId FindEdge(WindowVertexId u, WindowVertexId v) const;
+  FrontEdgeId CornerOnLoop(FrontEdgeId edge, WindowVertexId v) const;
   // Number of front edges in the loop of `edge`, at most `limit`.
   size_t LoopLength(FrontEdgeId edge, size_t limit) const;
   // Calls visit(triangle, corner index of v) for the triangles of the fan that v's half-edge belongs to, counter-clockwise when

@@ -15,9 +15,7 @@
 #include <cmath>
 #include <limits>
 
-#include "absl/container/flat_hash_map.h"
-#include "core/geometry/bvh.h"
-#include "core/geometry/intersection.h"
+#include "core/front/audit.h"
 #include "core/geometry/triangle.h"
 
 namespace meshfront {
@@ -65,21 +63,6 @@ constexpr auto kRadiusRatio = [](const Vec3& place, const auto& spoke, double fr
   if (area2 < kNeedleSineSquared * from2 * to2) return RadiusRatio(place, spoke.from, spoke.to);
   return RadiusRatioOfSquares(from2, spoke.opposite2, to2, area2);
 };
-
-// The triangles of pairs (i, j), by i, and for each i by the rank of j.
-std::vector<std::pair<WindowTriangleId, WindowTriangleId>> InOrder(
-    const std::vector<std::pair<uint32_t, uint32_t>>& pairs, absl::Span<const uint32_t> ranked,
-    const std::vector<WindowTriangleId>& ids) {
-  if (pairs.empty()) return {};
-  std::vector<uint32_t> rank(ranked.size());
-  for (uint32_t i = 0; i < ranked.size(); ++i) rank[ranked[i]] = i;
-  std::vector<std::pair<uint32_t, uint32_t>> keys;
-  for (const auto& [i, j] : pairs) keys.push_back({i, rank[j]});
-  std::sort(keys.begin(), keys.end());
-  std::vector<std::pair<WindowTriangleId, WindowTriangleId>> sorted;
-  for (const auto& [i, rank_of_j] : keys) sorted.push_back({ids[i], ids[ranked[rank_of_j]]});
-  return sorted;
-}
 
 }  // namespace
 
@@ -327,14 +310,8 @@ bool SettlingWindow::TryRemoval(WindowVertexId id) {
   if (!FillRing(ring, std::min(agreement, kMinMoveNormalCosine), after, steps) || after <= before) return false;
   fronts_.Remove(star);
   for (const ClosureStep& s : steps) {
-    FrontEdgeId base, corner;
-    for (FrontEdgeId c = fronts_.at(ring[s.last]).first_corner; c.valid(); c = fronts_.at(c).next_at_vertex) {
-      if (fronts_.To(c) == ring[s.first]) base = c;
-    }
-    for (FrontEdgeId e = fronts_.at(base).next; e != base; e = fronts_.at(e).next) {
-      if (fronts_.From(e) == ring[s.apex]) corner = e;
-    }
-    NoteChange(fronts_.Connect(base, corner, TriangleKind::kClosing).triangle);
+    const FrontEdgeId base = fronts_.FindEdge(ring[s.last], ring[s.first]);
+    NoteChange(fronts_.Connect(base, fronts_.CornerOnLoop(base, ring[s.apex]), TriangleKind::kClosing).triangle);
   }
   return true;
 }
@@ -554,72 +531,10 @@ void SettlingWindow::FindSlivers() {
   }
 }
 
-// Whether the triangles around a vertex go round it once and all face its normal's way: seen along the normal they lie side by side,
-// so that no two of them meet in more than they share.
-bool SettlingWindow::HasSimpleStar(WindowVertexId id) const {
-  const WindowVertex& v = fronts_.at(id);
-  const Vec3 n = v.source.normal;
-  const Vec3 across = std::abs(n.x) < 0.6 ? Vec3{0, -n.z, n.y} : Vec3{n.z, 0, -n.x};  // any direction in the plane of n
-  bool faces = true;
-  int rounds = 0;  // a spoke from below the axis to above it: with every turn below 180° once a round
-  const bool closed = fronts_.VisitFan(id, [&](WindowTriangleId t, int corner) {
-    const WindowTriangle& triangle = fronts_.at(t);
-    const Vec3 from = fronts_.at(triangle.corners[(corner + 1) % 3]).position - v.position;
-    const Vec3 to = fronts_.at(triangle.corners[(corner + 2) % 3]).position - v.position;
-    faces = faces && Dot(Cross(from, to), n) > 0;
-    rounds += Dot(from, across) < 0 && !(Dot(to, across) < 0);
-  });
-  return closed && faces && rounds == 1;
-}
-
-// Pairs of triangles that meet in more than what they share, one of them about to leave.
-std::vector<std::pair<WindowTriangleId, WindowTriangleId>> SettlingWindow::FindIntersections() const {
-  std::vector<Vec3> positions(fronts_.vertex_slots());
-  for (uint32_t i = 0; i < positions.size(); ++i) positions[i] = fronts_.at(WindowVertexId(i)).position;
-  // Window vertices of one joint are one vertex here: the first of them.
-  absl::flat_hash_map<uint32_t, uint32_t> first_at_joint;
-  const auto name_of = [&](WindowVertexId v) {
-    if (fronts_.at(v).joint == kNoJoint) return VertexId(v.index());
-    return VertexId(first_at_joint.try_emplace(fronts_.at(v).joint, v.index()).first->second);
-  };
-  std::vector<Triangle> triangles;
-  std::vector<WindowTriangleId> ids;
-  for (uint32_t i = 0; i < fronts_.triangle_slots(); ++i) {
-    const WindowTriangle& t = fronts_.at(WindowTriangleId(i));
-    if (!t.alive) continue;
-    triangles.push_back({name_of(t.corners[0]), name_of(t.corners[1]), name_of(t.corners[2])});
-    ids.push_back(WindowTriangleId(i));
-  }
-  const auto place = [&](const Triangle& t, int i) { return positions[t[i].index()]; };
-  std::vector<uint8_t> is_simple(positions.size());
-  for (uint32_t i = 0; i < is_simple.size(); ++i) {
-    const WindowVertex& v = fronts_.at(WindowVertexId(i));
-    is_simple[i] = v.alive && !v.on_front() && HasSimpleStar(WindowVertexId(i));
-  }
-  const auto share_simple_star = [&](const Triangle& s, const Triangle& t) {
-    for (const VertexId v : s) {
-      if (is_simple[v.index()] && (v == t[0] || v == t[1] || v == t[2])) return true;
-    }
-    return false;
-  };
-  const TriangleBvh bvh(positions, triangles);
-  std::vector<uint8_t> leaves(triangles.size());
-  for (uint32_t i = 0; i < triangles.size(); ++i) leaves[i] = Leaves(ids[i]);
-  std::vector<std::pair<uint32_t, uint32_t>> found;
-  bvh.VisitOverlappingPairs([&](FaceId f, FaceId g) {
-    uint32_t i = f.index(), j = g.index();
-    if (!(leaves[i] || leaves[j]) || share_simple_star(triangles[i], triangles[j])) return;
-    if (leaves[i] == leaves[j] ? j < i : leaves[j]) std::swap(i, j);  // i leaves, the elder if both do
-    const Vec3 a[3] = {place(triangles[i], 0), place(triangles[i], 1), place(triangles[i], 2)};
-    const Vec3 b[3] = {place(triangles[j], 0), place(triangles[j], 1), place(triangles[j], 2)};
-    if (TrianglesIntersect(a, b, SharedCornersOf(triangles[i], triangles[j]))) found.push_back({i, j});
-  });
-  return InOrder(found, bvh.order(), ids);
-}
-
 std::vector<WindowTriangleId> SettlingWindow::Audit() {
   std::vector<WindowTriangleId> faulty;
-  auto pairs = FindIntersections();
+  const auto leaves = [this](WindowTriangleId t) { return Leaves(t); };
+  auto pairs = FindIntersections(fronts_, leaves);
   for (int attempt = 0; attempt < 2 && !pairs.empty() && options_.fit; ++attempt) {  // first without the fit's moves
     for (const auto& [s, t] : pairs) {
       for (const WindowTriangleId id : {s, t}) {
@@ -630,7 +545,7 @@ std::vector<WindowTriangleId> SettlingWindow::Audit() {
         }
       }
     }
-    pairs = FindIntersections();
+    pairs = FindIntersections(fronts_, leaves);
   }
   for (const auto& [s, t] : pairs) {
     if (fronts_.at(s).audit != AuditMark::kNone || fronts_.at(t).audit != AuditMark::kNone) continue;

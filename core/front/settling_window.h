@@ -47,8 +47,8 @@ class SettlingWindow {
         sink_(sink),
         refinement_(surface, fronts, options.max_error, options.min_edge, kMoveDepth) {}
 
-  // Improves what has come to lie kMoveDepth rings or more behind the fronts since the last time, and audits what is to leave. Returns the triangles of pairs
-  // that intersect, so that the front can take them back; none of their vertices is frozen.
+  // Improves what has come to lie kMoveDepth rings or more behind the fronts since the last time, and audits what is to leave.
+  // Returns the triangles of pairs that intersect, so that the front can take them back; none of their vertices is frozen.
   std::vector<WindowTriangleId> Improve(const Context& context);
   // The triangles about to leave that are slivers still, and were not accepted; found by the last Improve.
   const std::vector<WindowTriangleId>& slivers() const { return slivers_; }
@@ -104,8 +104,6 @@ class SettlingWindow {
   void RoundOff(const std::vector<WindowTriangleId>& triangles);
   void ChooseNear(const std::vector<WindowVertexId>& made);
   void FindSlivers();
-  bool HasSimpleStar(WindowVertexId v) const;
-  std::vector<std::pair<WindowTriangleId, WindowTriangleId>> FindIntersections() const;
 
   // The ring around a vertex: the corners opposite in each triangle, in order around it.
   struct Spoke {

@@ -149,14 +149,7 @@ Box3 BoundingBox(const TriangleMesh& mesh, const FaceAdjacency& adjacency) {
 bool HasSingleFans(const TriangleMesh& mesh, const FaceAdjacency& adjacency) {
   // One walk from each vertex's first half-edge; together they must see every corner.
   size_t seen = 0;
-  for (const uint32_t first : adjacency.outgoing) {
-    uint32_t h = first;
-    while (h != kNoHalfEdge) {
-      ++seen;
-      h = adjacency.NextAroundOrigin(h);
-      if (h == first) break;
-    }
-  }
+  for (uint32_t v = 0; v < adjacency.outgoing.size(); ++v) VisitOutgoing(adjacency, v, [&](uint32_t) { ++seen; });
   return seen == 3 * mesh.triangles.size();
 }
 

@@ -1,9 +1,7 @@
 // Who lies across each side of each triangle: the half-edge structure of a mesh, in flat arrays.
 //
 //   const FaceAdjacency adjacency = CreateAdjacency(mesh);
-//   uint32_t h = adjacency.outgoing[v];                       // every half-edge that leaves v, counter-clockwise
-//   const uint32_t first = h;
-//   do { Visit(FaceOfHalfEdge(h)); h = adjacency.NextAroundOrigin(h); } while (h != kNoHalfEdge && h != first);
+//   VisitOutgoing(adjacency, v, [&](uint32_t h) { Visit(FaceOfHalfEdge(h)); });  // the faces around v
 #pragma once
 
 #include <array>
@@ -35,8 +33,28 @@ struct FaceAdjacency {
   bool IsRimVertex(uint32_t v) const { return outgoing[v] != kNoHalfEdge && OppositeOf(outgoing[v]) == kNoHalfEdge; }
 };
 
+// Calls visit(h) for each half-edge that leaves v, counter-clockwise; at a rim from the one on it on. The rim's last edge has none.
+template <class Visit>
+void VisitOutgoing(const FaceAdjacency& adjacency, uint32_t v, Visit&& visit) {
+  const uint32_t first = adjacency.outgoing[v];
+  for (uint32_t h = first; h != kNoHalfEdge;) {
+    visit(h);
+    h = adjacency.NextAroundOrigin(h);
+    if (h == first) return;
+  }
+}
+
 inline VertexId OriginOf(const TriangleMesh& mesh, uint32_t h) { return mesh.triangles[h / 3][h % 3]; }
 inline VertexId TargetOf(const TriangleMesh& mesh, uint32_t h) { return OriginOf(mesh, NextHalfEdge(h)); }
+
+// Calls visit(VertexId) for each vertex that shares an edge with v, counter-clockwise.
+template <class Visit>
+void VisitNeighbours(const TriangleMesh& mesh, const FaceAdjacency& adjacency, uint32_t v, Visit&& visit) {
+  VisitOutgoing(adjacency, v, [&](uint32_t h) {
+    visit(TargetOf(mesh, h));
+    if (adjacency.NextAroundOrigin(h) == kNoHalfEdge) visit(OriginOf(mesh, PreviousHalfEdge(h)));  // along the rim
+  });
+}
 
 // The adjacency of an oriented manifold mesh whose indices are in range (what RepairMesh returns). On any other mesh,
 // half-edges that have no single partner in the opposite direction count as rim. O(n), about 30 ns a triangle; at most

@@ -1,7 +1,8 @@
 // Cutting a mesh open along its creases: each smooth patch becomes a sheet of its own, with a rim where the crease is, so that
-// normals, curvatures, walks and fits are one-sided without knowing it.
+// normals, curvatures, walks and fits are one-sided without knowing it (sec. 3.3).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -18,7 +19,7 @@ struct CreaseCut {
 };
 
 // `creases`: one flag per half-edge, set on both halves of an edge or on neither. Copies of a vertex are numbered behind the
-// others, in the order of their half-edges. O(n).
+// others, in the order of their half-edges; nothing moves. O(n).
 CreaseCut CutAlongCreases(TriangleMesh mesh, FaceAdjacency adjacency, const std::vector<bool>& creases);
 
 }  // namespace meshfront

@@ -76,13 +76,10 @@ class Densifier {
 double MeanEdgeAt(const TriangleMesh& mesh, const FaceAdjacency& adjacency, uint32_t v) {
   double sum = 0;
   int count = 0;
-  const uint32_t first = adjacency.outgoing[v];
-  for (uint32_t h = first; h != kNoHalfEdge;) {
+  VisitOutgoing(adjacency, v, [&](uint32_t h) {
     sum += Distance(mesh.positions[v], mesh.PositionAt(TargetOf(mesh, h)));
     ++count;
-    h = adjacency.NextAroundOrigin(h);
-    if (h == first) break;
-  }
+  });
   return sum / count;
 }
 

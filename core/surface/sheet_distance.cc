@@ -95,17 +95,9 @@ double SheetDistance(const Sheets& sheets, uint32_t v, double limit, Rays rays, 
 template <class Visit>
 void VisitNear(const TriangleMesh& mesh, const FaceAdjacency& adjacency, uint32_t v, double limit, Visit visit) {
   const double reach2 = kProbeReach * kProbeReach * limit * limit;
-  const auto consider = [&](VertexId neighbour) {
+  VisitNeighbours(mesh, adjacency, v, [&](VertexId neighbour) {
     if (SquaredDistance(mesh.positions[v], mesh.PositionAt(neighbour)) <= reach2) visit(neighbour.index());
-  };
-  const uint32_t first = adjacency.outgoing[v];
-  for (uint32_t h = first; h != kNoHalfEdge;) {
-    consider(TargetOf(mesh, h));
-    const uint32_t next = adjacency.NextAroundOrigin(h);
-    if (next == kNoHalfEdge) consider(OriginOf(mesh, PreviousHalfEdge(h)));
-    if (next == first) return;
-    h = next;
-  }
+  });
 }
 
 // Greedily in the order of the vertices, so that it depends on the mesh alone.

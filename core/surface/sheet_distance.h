@@ -21,9 +21,9 @@ struct UncutMesh {
 };
 
 // For each vertex, the length of the shorter of the two rays along ± its normal to a face that looks the other way (cosine below
-// kOpposed) and is not near along the surface (kOtherSheetDetour; creases are no obstacle), at most `limits[v]`; +infinity when there is none. Where
-// vertices are dense against the limits only some are probed, the others take the least of their neighbours. On the context's
-// threads; deterministic. 0.2 to 1 µs a vertex, plus a hierarchy over the faces.
+// kOpposed) and is not near along the surface (kOtherSheetDetour; creases are no obstacle), at most `limits[v]`; +infinity when
+// there is none. Where vertices are dense against the limits only some are probed, the others take the least of their neighbours.
+// On the context's threads; deterministic. 0.2 to 1 µs a vertex, plus a hierarchy over the faces.
 absl::StatusOr<std::vector<double>> MeasureSheetDistances(const TriangleMesh& mesh, const FaceAdjacency& adjacency,
                                                           absl::Span<const Vec3> normals,
                                                           absl::Span<const double> limits, const Context& context,

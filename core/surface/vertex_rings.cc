@@ -9,19 +9,6 @@ namespace {
 
 constexpr size_t kGrain = 4096;
 
-// Calls visit(neighbour) for every vertex that shares an edge with v, counter-clockwise.
-template <class Visit>
-void VisitNeighbours(const TriangleMesh& mesh, const FaceAdjacency& adjacency, uint32_t v, Visit visit) {
-  const uint32_t first = adjacency.outgoing[v];
-  for (uint32_t h = first; h != kNoHalfEdge;) {
-    visit(TargetOf(mesh, h).index());
-    const uint32_t next = adjacency.NextAroundOrigin(h);
-    if (next == kNoHalfEdge) visit(OriginOf(mesh, PreviousHalfEdge(h)).index());  // along the rim
-    if (next == first) return;
-    h = next;
-  }
-}
-
 uint32_t StrideOf(uint32_t degree) { return (degree + VertexRings::kMaxDegree - 1) / VertexRings::kMaxDegree; }
 
 }  // namespace
@@ -35,7 +22,7 @@ absl::StatusOr<VertexRings> CreateVertexRings(const TriangleMesh& mesh, const Fa
   MESHFRONT_RETURN_IF_ERROR(ParallelFor(count, kGrain, context, [&](size_t begin, size_t end) {
     for (size_t v = begin; v < end; ++v) {
       uint32_t degree = 0;
-      VisitNeighbours(mesh, adjacency, static_cast<uint32_t>(v), [&](uint32_t) { ++degree; });
+      VisitNeighbours(mesh, adjacency, static_cast<uint32_t>(v), [&](VertexId) { ++degree; });
       degrees[v] = degree;
     }
   }));
@@ -48,8 +35,8 @@ absl::StatusOr<VertexRings> CreateVertexRings(const TriangleMesh& mesh, const Fa
     for (size_t v = begin; v < end; ++v) {
       uint32_t at = rings.begin[v], i = 0;
       const uint32_t stride = degrees[v] > 0 ? StrideOf(degrees[v]) : 1;
-      VisitNeighbours(mesh, adjacency, static_cast<uint32_t>(v), [&](uint32_t neighbour) {
-        if (i++ % stride == 0) rings.neighbours[at++] = neighbour;
+      VisitNeighbours(mesh, adjacency, static_cast<uint32_t>(v), [&](VertexId neighbour) {
+        if (i++ % stride == 0) rings.neighbours[at++] = neighbour.index();
       });
     }
   }));

@@ -117,5 +117,24 @@ void BM_Snap(benchmark::State& state) {
 }
 BENCHMARK(BM_Snap)->Arg(1)->Arg(4);
 
+// Whether equilateral triangles keep a bound that nothing exceeds. Argument: edge length in mean input edges; an item is a face of
+// the input's size under them.
+void BM_FindFarPlaces(benchmark::State& state) {
+  const double ratio = static_cast<double>(state.range(0)), length = ratio * MeanEdge();
+  std::vector<std::array<SourcePoint, 3>> triangles;
+  for (const auto& [a, b] : Edges(length)) {
+    if (const auto apex = Surface().FindApex(a, b, length, length)) triangles.push_back({b, a, *apex});
+  }
+  std::vector<FarPlace> far;
+  size_t i = 0;
+  for (auto _ : state) {
+    const auto& t = triangles[i++ % triangles.size()];
+    benchmark::DoNotOptimize(
+        Surface().FindFarPlaces(t[0], {t[0].position, t[1].position, t[2].position}, length, 0, far));
+  }
+  state.SetItemsProcessed(static_cast<int64_t>(ratio * ratio * static_cast<double>(state.iterations())));
+}
+BENCHMARK(BM_FindFarPlaces)->Arg(2)->Arg(5);
+
 }  // namespace
 }  // namespace meshfront

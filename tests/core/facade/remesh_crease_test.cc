@@ -9,6 +9,7 @@
 #include "core/geometry/bvh.h"
 #include "core/geometry/triangle.h"
 #include "core/remesh.h"
+#include "tests/core/facade/grid_names.h"
 #include "tests/core/facade/zoo.h"
 #include "tests/support/checking_sink.h"
 #include "tests/support/matchers.h"
@@ -203,20 +204,15 @@ TEST_P(EveryFlatShape, KeepsItsFacesFlat) {
   }
 }
 
-std::string NameOf(const ::testing::TestParamInfo<std::tuple<SharpShape, double, double>>& info) {
-  const auto digits = [](double x) { return std::to_string(static_cast<int>(std::lround(100 * x))); };
-  return std::get<0>(info.param).name + "Rho" + digits(std::get<1>(info.param)) + "Eta" +
-         digits(std::get<2>(info.param));
-}
 #ifdef MESHFRONT_COARSE_ZOO
 const std::vector<double> kRhos{1.0}, kEtas{1.2};
 #else
 const std::vector<double> kRhos{0.5, 1.0, 1.5}, kEtas{1.2, 1.5};
 #endif
 INSTANTIATE_TEST_SUITE_P(Shapes, EverySharpShape, Combine(ValuesIn(SharpShapes()), ValuesIn(kRhos), ValuesIn(kEtas)),
-                         NameOf);
+                         NameOfGridCase<SharpShape>);
 INSTANTIATE_TEST_SUITE_P(Shapes, EveryFlatShape, Combine(ValuesIn(FlatShapes()), ValuesIn(kRhos), ValuesIn(kEtas)),
-                         NameOf);
+                         NameOfGridCase<SharpShape>);
 
 TEST(RemeshCreases, KeepRoundFacesRoundUpToTheirEdge) {
   // On the wall of a cylinder nothing is as far off as the rounding of its edge would be.

@@ -9,6 +9,7 @@
 #include "core/geometry/bvh.h"
 #include "core/guidance/sizing.h"
 #include "core/remesh.h"
+#include "tests/core/facade/grid_names.h"
 #include "tests/core/facade/zoo.h"
 #include "tests/support/checking_sink.h"
 #include "tests/support/matchers.h"
@@ -166,18 +167,15 @@ TEST(MaxError, IsWhatTheReportBoundsWhereACountIsWanted) {
   EXPECT_NEAR(static_cast<double>(out.mesh.triangles.size()) / 4000, 1, 0.05);
 }
 
-std::string NameOf(const ::testing::TestParamInfo<std::tuple<ZooShape, double, double>>& info) {
-  const auto digits = [](double x) { return std::to_string(static_cast<int>(std::lround(100 * x))); };
-  return std::get<0>(info.param).name + "Rho" + digits(std::get<1>(info.param)) + "Eta" +
-         digits(std::get<2>(info.param));
-}
 #ifdef MESHFRONT_COARSE_ZOO
 const std::vector<double> kRhos{0.8}, kEtas{1.2};
 #else
 const std::vector<double> kRhos{0.4, 0.8, 1.4}, kEtas{1.2, 1.5};
 #endif
-INSTANTIATE_TEST_SUITE_P(Zoo, EveryShape, Combine(ValuesIn(Zoo()), ValuesIn(kRhos), ValuesIn(kEtas)), NameOf);
-INSTANTIATE_TEST_SUITE_P(Zoo, EverySmoothShape, Combine(ValuesIn(SmoothZoo()), ValuesIn(kRhos), Values(1.2)), NameOf);
+INSTANTIATE_TEST_SUITE_P(Zoo, EveryShape, Combine(ValuesIn(Zoo()), ValuesIn(kRhos), ValuesIn(kEtas)),
+                         NameOfGridCase<ZooShape>);
+INSTANTIATE_TEST_SUITE_P(Zoo, EverySmoothShape, Combine(ValuesIn(SmoothZoo()), ValuesIn(kRhos), Values(1.2)),
+                         NameOfGridCase<ZooShape>);
 
 // A smooth shape at the default options gives triangles as good as the table asks of real models.
 TEST(RemeshQuality, IsThatOfTheTableOnSmoothShapes) {

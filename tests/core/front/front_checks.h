@@ -210,6 +210,13 @@ class RandomFronts {
     const auto live = LiveEdges(fronts);
     return live.empty() ? FrontEdgeId() : live[Below(live.size())];
   }
+  // A side of any triangle; the rim's when there is no triangle.
+  Link AnySide() {
+    const auto live = LiveTriangles(fronts);
+    return live.empty() ? Link::Rim() : Link::HalfEdge(live[Below(live.size())], static_cast<int>(Below(3)));
+  }
+  Link Across(Link side) const { return fronts.at(side.triangle()).across[side.side()]; }
+  WindowVertexId Opposite(Link side) const { return fronts.at(side.triangle()).corners[(side.side() + 2) % 3]; }
   // One step; false when nothing was done.
   bool Step() {
     const FrontEdgeId edge = AnyEdge();

@@ -312,13 +312,11 @@ TEST(FrontSet, StaysAManifoldWhileRandomEdgesAreTurned) {
     random.Seed(), random.Loop(6);
     for (int i = 0; i < 80; ++i) {
       random.Step();
-      const auto live = LiveTriangles(random.fronts);
-      if (live.empty()) continue;
-      const Link h = Link::HalfEdge(live[random.Below(live.size())], static_cast<int>(random.Below(3)));
-      const Link g = random.fronts.at(h.triangle()).across[h.side()];
+      const Link h = random.AnySide();
+      if (!h.is_half_edge()) continue;
+      const Link g = random.Across(h);
       if (!g.is_half_edge() || g.triangle() == h.triangle()) continue;
-      const WindowVertexId c = random.fronts.at(h.triangle()).corners[(h.side() + 2) % 3];
-      const WindowVertexId d = random.fronts.at(g.triangle()).corners[(g.side() + 2) % 3];
+      const WindowVertexId c = random.Opposite(h), d = random.Opposite(g);
       if (c == d || random.fronts.EdgeExists(c, d)) continue;
       random.fronts.Flip(h);
       ++turned;
@@ -384,16 +382,14 @@ TEST(FrontSet, StaysAManifoldWhileVerticesArePutIntoIt) {
     random.Seed(), random.Loop(6);
     for (int i = 0; i < 80; ++i) {
       random.Step();
-      const auto live = LiveTriangles(random.fronts);
-      if (live.empty()) continue;
-      const Link h = Link::HalfEdge(live[random.Below(live.size())], static_cast<int>(random.Below(3)));
-      const Link g = random.fronts.at(h.triangle()).across[h.side()];
+      const Link h = random.AnySide();
+      if (!h.is_half_edge()) continue;
+      const Link g = random.Across(h);
       if (random.Below(3) == 0) {
         random.fronts.SplitTriangle(h.triangle(), random.NewVertex()), ++insides;
       } else if (g.is_rim()) {
         random.fronts.SplitSide(h, random.NewVertex()), ++rims;
-      } else if (g.is_half_edge() && random.fronts.at(h.triangle()).corners[(h.side() + 2) % 3] !=
-                                         random.fronts.at(g.triangle()).corners[(g.side() + 2) % 3]) {
+      } else if (g.is_half_edge() && random.Opposite(h) != random.Opposite(g)) {
         random.fronts.SplitSide(h, random.NewVertex()), ++sides;
       }
       ASSERT_EQ(FaultOf(random.fronts), "") << "seed " << seed << ", step " << i;

@@ -1,0 +1,179 @@
+//   1. LabelPatches between the creases, and LabelClusters: small patches that touch;
+//   2. MeasureFaces, MeasureCreases: of each cluster its size, what lies around it, and how its creases run;
+//   3. IsSpeck.
+// Rejected: patch by patch. Of a line of small patches along the edge of a thin wing it takes some and leaves half a crease, where
+// the front then runs over itself.
+#include "core/features/specks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/features/tolerances.h"
+
+namespace meshfront {
+namespace {
+
+// Small patches that touch, and what lies around them.
+struct Cluster {
+  uint32_t faces = 0;
+  double length = 0,
+         length_around = 0;   // sums of the longest sides of its faces, and of those of large patches across its rim
+  uint32_t sides_around = 0;  // … and how many these are
+  uint32_t sea = 0;           // a large patch across the rim: its label
+  bool is_inside = true;      // … and there is no other
+  Box3 box;
+  double cosines = 0;  // of the turns of its creases from edge to edge, …
+  uint32_t turns = 0;  // … so many
+  bool has_wedge = false;
+};
+
+class SpeckFinder {
+ public:
+  SpeckFinder(const TriangleMesh& mesh, const FaceAdjacency& adjacency, const std::vector<bool>& creases,
+              uint32_t most_faces)
+      : mesh_(mesh),
+        adjacency_(adjacency),
+        creases_(creases),
+        most_(most_faces),
+        smallest_(kSpeckOfDiagonal * BoundingBox(mesh, adjacency).Diagonal()) {}
+
+  std::vector<bool> Run() {
+    LabelPatches();
+    LabelClusters();
+    MeasureFaces();
+    MeasureCreases();
+    std::vector<bool> found(creases_.size());
+    for (uint32_t h = 0; h < creases_.size(); ++h) {
+      if (!creases_[h]) continue;
+      for (const uint32_t f : {h / 3, adjacency_.OppositeOf(h) / 3}) {
+        const Cluster* c = ClusterOf(f);
+        if (c != nullptr && IsSpeck(*c)) found[h] = true;
+      }
+    }
+    return found;
+  }
+
+ private:
+  bool IsLarge(uint32_t f) const { return sizes_[patches_.label[f]] > most_; }
+  Cluster* ClusterOf(uint32_t f) {
+    const auto found = clusters_.find(cluster_of_.label[f]);
+    return found == clusters_.end() ? nullptr : &found->second;
+  }
+  Vec3 DirectionOf(uint32_t h) const {
+    return Normalized(mesh_.PositionAt(TargetOf(mesh_, h)) - mesh_.PositionAt(OriginOf(mesh_, h)));
+  }
+  double LongestSide(uint32_t f) const;
+  void LabelPatches();
+  void LabelClusters();
+  void MeasureFaces();
+  void MeasureCreases();
+  void MeasureTurn(uint32_t in, uint32_t out);
+  bool IsSpeck(const Cluster& c) const;
+
+  const TriangleMesh& mesh_;
+  const FaceAdjacency& adjacency_;
+  const std::vector<bool>& creases_;
+  const uint32_t most_;
+  const double smallest_;
+  FaceComponents patches_, cluster_of_;
+  std::vector<uint32_t> sizes_;  // of each patch, in faces
+  std::map<uint32_t, Cluster> clusters_;
+};
+
+double SpeckFinder::LongestSide(uint32_t f) const {
+  const Triangle& t = mesh_.triangles[f];
+  double longest2 = 0;
+  for (int i = 0; i < 3; ++i)
+    longest2 = std::max(longest2, SquaredDistance(mesh_.PositionAt(t[i]), mesh_.PositionAt(t[(i + 1) % 3])));
+  return std::sqrt(longest2);
+}
+
+void SpeckFinder::LabelPatches() {
+  FaceAdjacency cut{adjacency_.opposite, {}};
+  for (uint32_t h = 0; h < creases_.size(); ++h) {
+    if (creases_[h]) cut.opposite[h / 3][h % 3] = kNoHalfEdge;
+  }
+  patches_ = LabelComponents(cut);
+  sizes_.assign(patches_.count, 0);
+  for (const uint32_t label : patches_.label) ++sizes_[label];
+}
+
+void SpeckFinder::LabelClusters() {
+  FaceAdjacency small{adjacency_.opposite, {}};
+  for (uint32_t f = 0; f < small.opposite.size(); ++f) {
+    for (uint32_t& across : small.opposite[f]) {
+      if (across != kNoHalfEdge && (IsLarge(f) || IsLarge(across / 3))) across = kNoHalfEdge;
+    }
+  }
+  cluster_of_ = LabelComponents(small);
+}
+
+void SpeckFinder::MeasureFaces() {
+  for (uint32_t f = 0; f < mesh_.triangles.size(); ++f) {
+    if (IsLarge(f)) continue;
+    Cluster& c = clusters_[cluster_of_.label[f]];
+    ++c.faces;
+    c.length += LongestSide(f);
+    for (const VertexId v : mesh_.triangles[f]) c.box.Extend(mesh_.PositionAt(v));
+    for (const uint32_t across : adjacency_.opposite[f]) {
+      if (across == kNoHalfEdge || !IsLarge(across / 3)) continue;
+      const uint32_t sea = patches_.label[across / 3];
+      c.is_inside = c.is_inside && (c.sides_around == 0 || c.sea == sea);
+      c.sea = sea;
+      c.length_around += LongestSide(across / 3);
+      ++c.sides_around;
+    }
+  }
+}
+
+// Where two creases meet at a vertex and no more: how far the line turns there. And anywhere: whether two leave side by side.
+void SpeckFinder::MeasureCreases() {
+  std::vector<uint32_t> leaving;
+  for (uint32_t v = 0; v < mesh_.positions.size(); ++v) {
+    leaving.clear();
+    VisitOutgoing(adjacency_, v, [&](uint32_t h) {
+      if (creases_[h]) leaving.push_back(h);
+    });
+    if (leaving.size() == 2 && !adjacency_.IsRimVertex(v)) MeasureTurn(leaving[0], leaving[1]);
+    for (size_t i = 0; i < leaving.size(); ++i) {
+      for (size_t k = 0; k < i; ++k) {
+        if (Dot(DirectionOf(leaving[i]), DirectionOf(leaving[k])) < kWedgeCosine) continue;
+        for (const uint32_t h : {leaving[i], leaving[k]}) {
+          if (Cluster* c = ClusterOf(h / 3)) c->has_wedge = true;
+        }
+      }
+    }
+  }
+}
+
+void SpeckFinder::MeasureTurn(uint32_t in, uint32_t out) {
+  Cluster* c = ClusterOf(in / 3);
+  if (c == nullptr) c = ClusterOf(adjacency_.OppositeOf(in) / 3);
+  if (c == nullptr) return;
+  c->cosines -= Dot(DirectionOf(in), DirectionOf(out));
+  ++c->turns;
+}
+
+bool SpeckFinder::IsSpeck(const Cluster& c) const {
+  if (c.sides_around == 0 || !c.is_inside || c.faces > most_) return false;
+  const uint32_t sea = sizes_[c.sea];
+  const bool in_sea = sea > kIslandsSea;
+  if (in_sea && c.box.Diagonal() < smallest_) return true;
+  if (c.length / c.faces <= kSpeckFineness * c.length_around / c.sides_around) return false;
+  const bool is_few = c.faces <= kSpeckFaces;
+  // Of a spike all edges end in nodes: there is hardly a line that could zigzag.
+  const bool zigzags = c.cosines < kZigzagCosine * c.turns || (is_few && 2 * c.turns < c.faces);
+  if (zigzags && is_few && in_sea) return true;
+  if ((zigzags || c.has_wedge) && sea >= kSeaPerSpeck * c.faces) return true;
+  return is_few && sea >= kSeaPerSmoothSpeck * c.faces;
+}
+
+}  // namespace
+
+std::vector<bool> FindSpecks(const TriangleMesh& mesh, const FaceAdjacency& adjacency, const std::vector<bool>& creases,
+                             uint32_t most_faces) {
+  return SpeckFinder(mesh, adjacency, creases, most_faces).Run();
+}
+
+}  // namespace meshfront
