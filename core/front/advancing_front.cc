@@ -14,9 +14,9 @@
 // 8485 today). Taken literally over the whole surface the rule would keep every vertex on a front until half of the
 // triangles exist, and nothing could settle (rejected).
 //
-// Edges without an acceptable triangle wait until everything else is done, then the ladder: the tests relaxed in named stages,
-// the loop closed by a minimum-weight triangulation, the place taken back and advanced again at finer steps, then connections and
-// closures that hardly look at normals, and at last the place reported.
+// Edges without an acceptable triangle wait until everything else is done, then the ladder, at one place after the other: the tests
+// relaxed in named stages, the loop closed by a minimum-weight triangulation, the place taken back and advanced again at finer steps,
+// then connections and closures that hardly look at normals, and at last the place reported.
 #include "core/front/advancing_front.h"
 
 #include <algorithm>
@@ -135,6 +135,8 @@ class AdvancingFront {
 
   absl::Status Settle(bool everything);
   bool RescueStuck();  // the next rung of the ladder; false when nothing is left to do
+  bool FindRescuePlace();
+  bool InRescuePlace(FrontEdgeId edge) const;
   void RescueLoops(const std::vector<EdgeRef>& stuck, absl::FunctionRef<bool(const std::vector<FrontEdgeId>&)> rescue);
   bool CloseLoop(const std::vector<FrontEdgeId>& loop, const Strictness& strictness);
   bool RollBackLoop(const std::vector<FrontEdgeId>& loop);
@@ -175,6 +177,9 @@ class AdvancingFront {
   Vec3 area_center_;
   double area_radius_ = 0;
   size_t strictness_ = 0;
+  size_t rung_ = 0;  // of the ladder, at the place where it stands
+  Vec3 rescue_center_;
+  double rescue_radius_ = 0;
   uint64_t steps_ = 0, steps_at_last_rescue_ = 0;
   size_t window_after_settling_ = 0;
   uint64_t peak_front_edges_ = 0, roll_backs_ = 0;
@@ -456,35 +461,59 @@ void AdvancingFront::AfterStep(const FrontSet::Step& step) {
   peak_front_edges_ = std::max<uint64_t>(peak_front_edges_, fronts_.front_edge_count());
 }
 
+// The ladder climbs at one place at a time, a ball as large as a working area: what happens there changes nothing elsewhere, and a
+// step at one of many places would otherwise send all of them down to its foot.
 bool AdvancingFront::RescueStuck() {
-  std::vector<EdgeRef> stuck;
-  stuck.swap(stuck_);
-  std::erase_if(stuck,
-                [&](const EdgeRef& r) { return !fronts_.IsAlive(r.edge, r.generation) || StateOf(r.edge).abandoned; });
-  if (stuck.empty()) return false;
-  if (steps_ != steps_at_last_rescue_)
-    strictness_ = 0;
-  else
-    ++strictness_;
+  std::erase_if(stuck_, [this](const EdgeRef& r) {
+    if (!fronts_.IsAlive(r.edge, r.generation) || StateOf(r.edge).abandoned) return true;
+    if (StateOf(r.edge).stuck) return false;
+    Wait(r);  // what was taken back next to it lets it advance
+    return true;
+  });
+  strictness_ = 0;
+  if (!waiting_.empty()) return true;
+  if (stuck_.empty()) return false;
+  const bool is_new = FindRescuePlace();
+  rung_ = is_new || steps_ != steps_at_last_rescue_ ? 0 : rung_ + 1;
   steps_at_last_rescue_ = steps_;
-  if (strictness_ == kMayFold) {
-    RescueLoops(stuck, [this](const std::vector<FrontEdgeId>& loop) {
+  std::vector<EdgeRef> here;
+  std::erase_if(stuck_, [&](const EdgeRef& r) {
+    if (!InRescuePlace(r.edge)) return false;
+    here.push_back(r);
+    return true;
+  });
+  if (rung_ == kMayFold) {
+    RescueLoops(here, [this](const std::vector<FrontEdgeId>& loop) {
       return CloseLoop(loop, kStrictness[kMayFold - 1]) || RollBackLoop(loop);
     });
-    if (steps_ != steps_at_last_rescue_) strictness_ = 0;
-  } else if (strictness_ >= kStrictness.size()) {
-    strictness_ = 0;
-    RescueLoops(stuck, [this](const std::vector<FrontEdgeId>& loop) {
+    if (steps_ != steps_at_last_rescue_) rung_ = 0;
+  } else if (rung_ >= kStrictness.size()) {
+    rung_ = 0;
+    RescueLoops(here, [this](const std::vector<FrontEdgeId>& loop) {
       if (CloseLoop(loop, kStrictness[kMayFold]) || CloseLoop(loop, kRegardlessOfNormals)) return true;
       Abandon(loop);
       return false;
     });
   }
-  for (const EdgeRef& r : stuck) {
+  strictness_ = rung_;
+  for (const EdgeRef& r : here) {
     if (!fronts_.IsAlive(r.edge, r.generation) || StateOf(r.edge).abandoned) continue;
     StateOf(r.edge).stuck = false;
     Wait(r);
   }
+  return true;
+}
+
+bool AdvancingFront::InRescuePlace(FrontEdgeId edge) const {
+  return SquaredDistance(fences_.BallOf(edge).center, rescue_center_) <= rescue_radius_ * rescue_radius_;
+}
+
+// Stays where the ladder is while an edge is stuck there. True: moved to that of the edge that has waited longest.
+bool AdvancingFront::FindRescuePlace() {
+  if (std::any_of(stuck_.begin(), stuck_.end(), [this](const EdgeRef& r) { return InRescuePlace(r.edge); }))
+    return false;
+  rescue_center_ = fences_.BallOf(stuck_.front().edge).center;
+  rescue_radius_ = kAreaRadius * fences_.at(stuck_.front().edge).Length();
   return true;
 }
 
@@ -517,10 +546,11 @@ bool AdvancingFront::RollBackLoop(const std::vector<FrontEdgeId>& loop) {
   Vec3 middle;
   double length = 0;
   for (const FrontEdgeId e : loop) {
-    const WindowVertex& v = fronts_.at(fronts_.From(e));
-    middle += v.position / static_cast<double>(loop.size());
-    length += v.length / static_cast<double>(loop.size());
-    around.push_back(fronts_.From(e));
+    if (InRescuePlace(e)) around.push_back(fronts_.From(e));
+  }
+  for (const WindowVertexId v : around) {
+    middle += fronts_.at(v).position / static_cast<double>(around.size());
+    length += fronts_.at(v).length / static_cast<double>(around.size());
   }
   if (roll_backs_ >= kMaxRollBacks) return false;
   const size_t before = field_.RefinementsNear(middle);
@@ -611,7 +641,9 @@ void AdvancingFront::AbandonAll() {
 }
 
 void AdvancingFront::Abandon(const std::vector<FrontEdgeId>& loop) {
-  for (const FrontEdgeId e : loop) StateOf(e).abandoned = true;
+  for (const FrontEdgeId e : loop) {
+    if (InRescuePlace(e)) StateOf(e).abandoned = true;
+  }
 }
 
 // What is open at the end, rather than what was abandoned: another front may have reached an abandoned loop since.

@@ -29,19 +29,21 @@ double FenceHalfHeight(double length, double max_curvature) {
   return std::max(kFenceHeightPerError * ErrorBound(length, max_curvature), kMinFenceHeightPerLength * length);
 }
 
-bool CrossesFence(const NewEdge& edge, const Fence& fence) {
-  if (Dot(edge.normal, fence.normal) < kOtherSheetCosine) return false;
+Crossing CrossFence(const NewEdge& edge, const Fence& fence) {
+  const double agreement = Dot(edge.normal, fence.normal);
+  const Crossing apart = agreement < kSameSlopeCosine ? Crossing::kUnclear : Crossing::kNone;
+  if (agreement < kOtherSheetCosine) return apart;
   const Vec3 m = edge.normal + fence.normal;  // its length does not matter: only signs and ratios are used
   const Vec3 d = edge.end - edge.start, f = fence.end - fence.start;
   const Vec3 md = Cross(m, d), mf = Cross(m, f);
   const double start_side = Dot(md, fence.start - edge.start), end_side = Dot(md, fence.end - edge.start);
-  if ((start_side > 0) == (end_side > 0)) return false;
+  if ((start_side > 0) == (end_side > 0)) return apart;
   const double from_side = Dot(mf, edge.start - fence.start), to_side = Dot(mf, edge.end - fence.start);
-  if ((from_side > 0) == (to_side > 0)) return false;
+  if ((from_side > 0) == (to_side > 0)) return apart;
   const double s = from_side / (from_side - to_side), t = start_side / (start_side - end_side);
   const Vec3 gap = edge.start + s * d - (fence.start + t * f);
   const double height = std::max(edge.half_height, fence.half_height);
-  return SquaredNorm(gap) <= height * height;
+  return SquaredNorm(gap) <= height * height ? Crossing::kCrosses : Crossing::kUnclear;
 }
 
 double DistanceToFence(const Vec3& p, const Vec3& normal, const Fence& fence) {

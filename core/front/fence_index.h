@@ -33,10 +33,12 @@ struct NewEdge {
 // h of an edge: kFenceHeightPerError · ε(length, curvature), at least kMinFenceHeightPerLength · length.
 double FenceHalfHeight(double length, double max_curvature);
 
-// True when the new edge passes through the fence or the front edge through the new edge's own fence: seen along the mean of
+// Whether the new edge passes through the fence or the front edge through the new edge's own fence: seen along the mean of
 // their normals the two cross, and where they do their heights differ by at most the greater h. Symmetric, so one test serves
-// both ways. Edges on another sheet (normals opposed) do not cross.
-bool CrossesFence(const NewEdge& edge, const Fence& fence);
+// both ways. Unclear: they cross farther apart, or their normals differ by more than 45°, so that what is seen depends on where one
+// stands: another sheet, or rough ground. Only the surface can tell (Surface::TraceWay).
+enum class Crossing : uint8_t { kNone, kUnclear, kCrosses };
+Crossing CrossFence(const NewEdge& edge, const Fence& fence);
 // Distance from p, whose normal is `normal`, to the fence; infinite when it stands on another sheet.
 double DistanceToFence(const Vec3& p, const Vec3& normal, const Fence& fence);
 

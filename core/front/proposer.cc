@@ -123,7 +123,25 @@ Verdict Proposer::CheckNeighbours(FrontEdgeId edge, double radius_a, double radi
   return Verdict::kAccepted;
 }
 
-Verdict Proposer::CheckFree(FrontEdgeId edge, const SourcePoint& apex, double step) const {
+// Whether the new side number `side`, from one source point to another, crosses a front edge. Where the fences leave it unclear, the
+// ways over the surface decide: the fronts then stay simple loops on the surface, however rough that is. Without a way, no.
+bool Proposer::Crosses(const NewEdge& edge, const SourcePoint& from, const SourcePoint& to, int side,
+                       FrontEdgeId fence) {
+  const Crossing crossing = CrossFence(edge, fences_.at(fence));
+  if (crossing != Crossing::kUnclear) return crossing == Crossing::kCrosses;
+  NewWay& way = new_ways_[side];
+  if (!way.is_known) way.is_known = true, surface_.TraceWay(from, to, way.pieces);
+  if (way.pieces.empty()) return false;
+  if (fence_ways_.size() <= fence.index()) fence_ways_.resize(2 * fence.index() + 16);
+  FenceWay& along = fence_ways_[fence.index()];
+  if (along.birth != fronts_.at(fence).birth) {
+    along.birth = fronts_.at(fence).birth;
+    surface_.TraceWay(fronts_.at(fronts_.From(fence)).source, fronts_.at(fronts_.To(fence)).source, along.pieces);
+  }
+  return WaysCross(way.pieces, along.pieces);
+}
+
+Verdict Proposer::CheckFree(FrontEdgeId edge, const SourcePoint& apex, double step) {
   const WindowVertexId ia = fronts_.From(edge), ib = fronts_.To(edge);
   const WindowVertex &a = fronts_.at(ia), &b = fronts_.at(ib);
   const Vec3 normal = Normalized(AreaVector(b.position, a.position, apex.position));
@@ -140,6 +158,7 @@ Verdict Proposer::CheckFree(FrontEdgeId edge, const SourcePoint& apex, double st
     return Verdict::kOutsideSector;
   if (open_b > 0 && ClockwiseTurn(b.source.normal, after, apex.position - b.position) >= open_b)
     return Verdict::kOutsideSector;
+  for (NewWay& way : new_ways_) way.is_known = false;
   const double clearance = kFreeClearance * step;
   const double height_a = FenceHalfHeight(Distance(a.position, apex.position), a.max_curvature);
   const double height_b = FenceHalfHeight(Distance(b.position, apex.position), b.max_curvature);
@@ -151,9 +170,11 @@ Verdict Proposer::CheckFree(FrontEdgeId edge, const SourcePoint& apex, double st
     if (near.edge == edge) continue;
     const Fence& fence = fences_.at(near.edge);
     if (DistanceToFence(apex.position, apex.normal, fence) < clearance) return Verdict::kTooClose;
-    if (fence.from != at_a && fence.to != at_a && MayCross(ball_a, near) && CrossesFence(side_a, fence))
+    if (fence.from != at_a && fence.to != at_a && MayCross(ball_a, near) &&
+        Crosses(side_a, a.source, apex, 0, near.edge))
       return Verdict::kCrossesFence;
-    if (fence.from != at_b && fence.to != at_b && MayCross(ball_b, near) && CrossesFence(side_b, fence))
+    if (fence.from != at_b && fence.to != at_b && MayCross(ball_b, near) &&
+        Crosses(side_b, b.source, apex, 1, near.edge))
       return Verdict::kCrossesFence;
     if (fence.from == at_a || fence.from == at_b || Dot(fence.normal, normal) < kOtherSheetCosine) continue;
     if (SegmentDistance(fence.start, a.position, apex.position) < clearance ||
@@ -289,7 +310,7 @@ bool Proposer::SurroundsOpenSide(FrontEdgeId edge) const {
 }
 
 // A fence whose ball stays clear of the triangle's, with the heights and clearances added, can fail no test.
-Verdict Proposer::CheckFences(const Candidate& c, const Strictness& s) const {
+Verdict Proposer::CheckFences(const Candidate& c, const Strictness& s) {
   const double height_a = FenceHalfHeight(c.side_ac, std::max(c.a->max_curvature, c.c->max_curvature));
   const double height_b = FenceHalfHeight(c.side_cb, std::max(c.b->max_curvature, c.c->max_curvature));
   const NewEdge side_a{c.a->position, c.c->position, Normalized(c.a->source.normal + c.c->source.normal), height_a};
@@ -306,12 +327,15 @@ Verdict Proposer::CheckFences(const Candidate& c, const Strictness& s) const {
       std::sqrt(std::max({SquaredDistance(center, c.a->position), SquaredDistance(center, c.b->position),
                           SquaredDistance(center, c.c->position)}));
   const double reach = kBallSlack * (radius + std::max({height, clearance_a, clearance_b}));
+  for (NewWay& way : new_ways_) way.is_known = false;
   for (const Near& near : near_) {
     const double apart = reach + near.reach;
     if (SquaredDistance(near.middle, center) > apart * apart || near.edge == c.edge) continue;
     const Fence& f = fences_.at(near.edge);
-    if (!c.zip_before && !touches(f, at_a, at_c) && CrossesFence(side_a, f)) return Verdict::kCrossesFence;
-    if (!c.zip_after && !touches(f, at_b, at_c) && CrossesFence(side_b, f)) return Verdict::kCrossesFence;
+    if (!c.zip_before && !touches(f, at_a, at_c) && Crosses(side_a, c.a->source, c.c->source, 0, near.edge))
+      return Verdict::kCrossesFence;
+    if (!c.zip_after && !touches(f, at_b, at_c) && Crosses(side_b, c.b->source, c.c->source, 1, near.edge))
+      return Verdict::kCrossesFence;
     if (f.from == at_a || f.from == at_b || f.from == at_c) continue;
     if (SquaredDistance(f.start, center) > reach * reach || Dot(f.normal, c.normal) < kOtherSheetCosine) continue;
     const double off = std::abs(Dot(c.normal, f.start - c.a->position));

@@ -90,12 +90,13 @@ class Proposer {
   void Gather(FrontEdgeId of, const Vec3& center, double radius);
   Verdict Judge(Verdict verdict);
   Verdict CheckNeighbours(FrontEdgeId edge, double radius_a, double radius_b) const;
-  Verdict CheckFree(FrontEdgeId edge, const SourcePoint& apex, double step) const;
+  Verdict CheckFree(FrontEdgeId edge, const SourcePoint& apex, double step);
   void DescribeBase(FrontEdgeId edge, Candidate& candidate) const;
   void DescribeCorner(FrontEdgeId corner, Candidate& candidate) const;
   Verdict CheckShape(Candidate& c, const Strictness& strictness) const;
   Verdict CheckSectors(Candidate& c) const;
-  Verdict CheckFences(const Candidate& c, const Strictness& strictness) const;
+  Verdict CheckFences(const Candidate& c, const Strictness& strictness);
+  bool Crosses(const NewEdge& edge, const SourcePoint& from, const SourcePoint& to, int side, FrontEdgeId fence);
   Verdict CheckSurroundings(const Candidate& c, const Strictness& strictness);
   bool StandsForSurface(const Candidate& c, double tolerance);
   double SearchRadius(FrontEdgeId edge, const Strictness& strictness) const;
@@ -107,6 +108,17 @@ class Proposer {
   std::vector<Near> near_;  // of the last Gather
   std::vector<Candidate> candidates_;
   std::array<uint64_t, kVerdicts> counts_{};
+  // Ways over the surface, found when they are asked for: of the new sides of the candidate, and of front edges.
+  struct NewWay {
+    bool is_known = false;
+    std::vector<WayPiece> pieces;
+  };
+  std::array<NewWay, 2> new_ways_;
+  struct FenceWay {
+    uint32_t birth = 0xffffffffu;
+    std::vector<WayPiece> pieces;
+  };
+  std::vector<FenceWay> fence_ways_;
   // Answers of test 4, by the births of a candidate's edge and corner.
   struct SheetAnswer {
     uint32_t edge = 0, corner = 0;

@@ -9,6 +9,8 @@ inline constexpr double kFenceHeightPerError = 2.0;
 inline constexpr double kMinFenceHeightPerLength = 0.15;
 // Fences whose normals differ by more than this (cosine) stand on another sheet: the far side of a thin plate.
 inline constexpr double kOtherSheetCosine = -0.5;
+// Edges whose normals agree by this (cosine of 45°) are seen alike from where either stands.
+inline constexpr double kSameSlopeCosine = 0.7;
 // A free vertex keeps this part of its ideal step away from every fence (sec. 3.4).
 inline constexpr double kFreeClearance = 0.5;
 // A working area reaches this many lengths of the edge that opened it.

@@ -14,6 +14,7 @@
 #include "core/surface/shadow.h"
 #include "core/surface/tolerances.h"
 #include "core/surface/vertex_normals.h"
+#include "core/surface/way.h"
 
 namespace meshfront {
 namespace {
@@ -184,6 +185,11 @@ double MeshSurface::MaxCurvatureAt(const SourcePoint& p) const {
   const Triangle& t = mesh_.triangles[FaceOf(p)];
   return (1 - p.u - p.v) * curvatures_[t[0].index()] + p.u * curvatures_[t[1].index()] +
          p.v * curvatures_[t[2].index()];
+}
+
+bool MeshSurface::TraceWay(const SourcePoint& a, const SourcePoint& b, std::vector<WayPiece>& way) const {
+  way.clear();
+  return meshfront::TraceWay(View(), {FaceOf(a), a.position}, {FaceOf(b), b.position}, a.normal + b.normal, way);
 }
 
 bool MeshSurface::FindFarPlaces(const SourcePoint& start, const std::array<Vec3, 3>& triangle, double bound,

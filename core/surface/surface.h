@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "absl/types/span.h"
 #include "core/geometry/vec3.h"
 
 namespace meshfront {
@@ -28,6 +29,14 @@ struct FarPlace {
   bool is_detail = false;
   bool is_beside = false;  // the place below lies in the triangle's plane, but outside it
 };
+
+// A stretch of a way over a surface inside one of its patches, straight there.
+struct WayPiece {
+  uint32_t patch;
+  Vec3 from, to;
+};
+// Whether two ways cross inside a patch that both pass. Ways that only touch, or run along each other, don't.
+bool WaysCross(absl::Span<const WayPiece> way, absl::Span<const WayPiece> other);
 
 // Implemented by: MeshSurface (later: the MLS surfaces). Called by: the front, its closure and its settling window.
 // Immutable after construction, safe to read from many threads, deterministic. No call leaves the connected sheet that its
@@ -52,6 +61,14 @@ class Surface {
 
   // True when p lies on the rim of an open surface (within rounding).
   virtual bool IsOnBoundary(const SourcePoint& p) const = 0;
+
+  // The way from a to b over the surface that lies in one plane with the mean of their normals, piece by piece. False, and no way,
+  // when that section does not lead from a to b. Surfaces without patches can't tell of any.
+  virtual bool TraceWay(const SourcePoint& a, const SourcePoint& b, std::vector<WayPiece>& way) const {
+    static_cast<void>(a), static_cast<void>(b);
+    way.clear();
+    return false;
+  }
 
   // Which of the surface's sheets p lies on: patches between creases are sheets of their own, whose meshes meet in the creases
   // only and need not be kept apart elsewhere.

@@ -47,6 +47,13 @@ inline constexpr double kProbeReach = 0.25;
 // Faces looked at for such a way; where it is not found among them it is long in faces too.
 inline constexpr size_t kMaxDetourFaces = 200;
 
+// A way over the surface: its length in parts of the distance between its ends, its pieces, how near to a side of a face (in parts
+// of that distance) an end counts as on it, and how many faces may meet in an end.
+inline constexpr double kMaxWayPerDistance = 4;
+inline constexpr size_t kMaxWayPieces = 400;
+inline constexpr double kOnSideOfWay = 1e-7;
+inline constexpr size_t kMaxFacesAtAPoint = 64;
+
 // Faces looked at over one triangle.
 inline constexpr size_t kMaxShadowFaces = 4096;
 

@@ -117,6 +117,20 @@ void BM_Snap(benchmark::State& state) {
 }
 BENCHMARK(BM_Snap)->Arg(1)->Arg(4);
 
+// Argument: edge length in mean input edges; an item is a face that the way passes.
+void BM_TraceWay(benchmark::State& state) {
+  const auto edges = Edges(static_cast<double>(state.range(0)) * MeanEdge());
+  std::vector<WayPiece> way;
+  size_t i = 0, pieces = 0;
+  for (auto _ : state) {
+    const auto& [a, b] = edges[i++ % edges.size()];
+    Surface().TraceWay(a, b, way);
+    pieces += way.size();
+  }
+  state.SetItemsProcessed(static_cast<int64_t>(pieces));
+}
+BENCHMARK(BM_TraceWay)->Arg(1)->Arg(4);
+
 // Whether equilateral triangles keep a bound that nothing exceeds. Argument: edge length in mean input edges; an item is a face of
 // the input's size under them.
 void BM_FindFarPlaces(benchmark::State& state) {

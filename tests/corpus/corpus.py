@@ -65,13 +65,14 @@ GENERATED = {
     "generated/torus.ply": ("torus", "500000"),
 }
 
-# For ./tests/run: something of every class, each at one rho. A choice for speed, of what comes out right: no model
-# of thingi does yet, and what does not is for the whole survey to tell.
+# For ./tests/run: something of every class, each at one rho. A choice for speed, of what comes out right: what does not is for
+# the whole survey to tell.
 SUBSET = [
     ("scans/bunny.off", 0.5),                    # holes
     ("scans/nefertiti.obj.gz", 1.0),
     ("scans/turbineblade.ply", 1.0),             # thin edges
-    ("scans/camel.off", 1.0),                    # meets itself
+    ("scans/camel.off", 0.5),                    # meets itself
+    ("scans/dragon_100k.ply", 1.0),              # rough
     ("scans/feline_41k.obj.gz", 0.5),            # thin tail, genus 2
     ("genus/soccerball.obj.gz", 1.0),            # genus 31
     ("genus/knot-300-100.off.gz", 0.5),          # sheets close to each other

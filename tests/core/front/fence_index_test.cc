@@ -180,25 +180,30 @@ TEST(Fence, StandsAsHighAsTheErrorBoundAsks) {
 }
 
 TEST(Fence, IsCrossedByAnEdgeThroughItsMiddle) {
-  EXPECT_TRUE(CrossesFence(EdgeOf({0, -1, 0}, {0, 1, 0}), FenceOf({-1, 0, 0}, {1, 0, 0})));
-  EXPECT_FALSE(CrossesFence(EdgeOf({2, -1, 0}, {2, 1, 0}), FenceOf({-1, 0, 0}, {1, 0, 0}))) << "beside it";
-  EXPECT_FALSE(CrossesFence(EdgeOf({0, 0.1, 0}, {0, 1, 0}), FenceOf({-1, 0, 0}, {1, 0, 0}))) << "ends before it";
+  EXPECT_EQ(CrossFence(EdgeOf({0, -1, 0}, {0, 1, 0}), FenceOf({-1, 0, 0}, {1, 0, 0})), Crossing::kCrosses);
+  EXPECT_EQ(CrossFence(EdgeOf({2, -1, 0}, {2, 1, 0}), FenceOf({-1, 0, 0}, {1, 0, 0})), Crossing::kNone) << "beside it";
+  EXPECT_EQ(CrossFence(EdgeOf({0, 0.1, 0}, {0, 1, 0}), FenceOf({-1, 0, 0}, {1, 0, 0})), Crossing::kNone)
+      << "ends before it";
 }
 
 TEST(Fence, CountsUpToTheGreaterOfTheTwoHeights) {
   const NewEdge low = EdgeOf({0, -1, 0.3}, {0, 1, 0.3}, 0.1), high = EdgeOf({0, -1, 0.3}, {0, 1, 0.3}, 0.31);
-  EXPECT_FALSE(CrossesFence(low, FenceOf({-1, 0, 0}, {1, 0, 0}, 0.1)));
-  EXPECT_TRUE(CrossesFence(low, FenceOf({-1, 0, 0}, {1, 0, 0}, 0.31))) << "the edge through the fence";
-  EXPECT_TRUE(CrossesFence(high, FenceOf({-1, 0, 0}, {1, 0, 0}, 0.1))) << "the front edge through the new edge's fence";
+  EXPECT_EQ(CrossFence(low, FenceOf({-1, 0, 0}, {1, 0, 0}, 0.1)), Crossing::kUnclear)
+      << "over it: another sheet, or rough";
+  EXPECT_EQ(CrossFence(low, FenceOf({-1, 0, 0}, {1, 0, 0}, 0.31)), Crossing::kCrosses) << "the edge through the fence";
+  EXPECT_EQ(CrossFence(high, FenceOf({-1, 0, 0}, {1, 0, 0}, 0.1)), Crossing::kCrosses)
+      << "the front edge through the new edge's fence";
 }
 
-TEST(Fence, OnAnotherSheetIsIgnored) {
-  EXPECT_FALSE(CrossesFence(EdgeOf({0, -1, 0}, {0, 1, 0}), FenceOf({-1, 0, 0}, {1, 0, 0}, 0.1, -kUp)));
+TEST(Fence, OnAnotherSheetIsLeftToTheSurface) {
+  EXPECT_EQ(CrossFence(EdgeOf({0, -1, 0}, {0, 1, 0}), FenceOf({-1, 0, 0}, {1, 0, 0}, 0.1, -kUp)), Crossing::kUnclear);
   EXPECT_EQ(DistanceToFence({0, 0, 0}, kUp, FenceOf({-1, 0, 0}, {1, 0, 0}, 0.1, -kUp)),
             std::numeric_limits<double>::infinity());
-  EXPECT_TRUE(
-      CrossesFence(EdgeOf({0, -1, 0}, {0, 1, 0}), FenceOf({-1, 0, 0}, {1, 0, 0}, 0.1, Normalized(Vec3{1, 0, 0.2}))))
+  const Vec3 aside = Normalized(Vec3{1, 0, 0.2});
+  EXPECT_EQ(CrossFence(EdgeOf({0, -1, 0}, {0, 1, 0}), FenceOf({-1, 0, 0}, {1, 0, 0}, 0.1, aside)), Crossing::kCrosses)
       << "around a sharp bend it is the same sheet";
+  EXPECT_EQ(CrossFence(EdgeOf({2, -1, 0}, {2, 1, 0}), FenceOf({-1, 0, 0}, {1, 0, 0}, 0.1, aside)), Crossing::kUnclear)
+      << "but what lies beside it there depends on where one stands";
 }
 
 TEST(Fence, IsCrossedWhicheverOfTheTwoIsTheNewEdge) {
@@ -210,10 +215,10 @@ TEST(Fence, IsCrossedWhicheverOfTheTwoIsTheNewEdge) {
     const Vec3 a = place(), b = place(), c = place(), d = place();
     const Vec3 m = Normalized(place() + 3 * kUp), n = Normalized(place() + 3 * kUp);
     const double h = 0.2 * std::abs(unit(random)), k = 0.2 * std::abs(unit(random));
-    const bool one = CrossesFence(EdgeOf(a, b, h, m), FenceOf(c, d, k, n));
-    ASSERT_EQ(one, CrossesFence(EdgeOf(c, d, k, n), FenceOf(a, b, h, m))) << i;
-    ASSERT_EQ(one, CrossesFence(EdgeOf(b, a, h, m), FenceOf(d, c, k, n))) << i << ", turned round";
-    crossings += one;
+    const Crossing one = CrossFence(EdgeOf(a, b, h, m), FenceOf(c, d, k, n));
+    ASSERT_EQ(one, CrossFence(EdgeOf(c, d, k, n), FenceOf(a, b, h, m))) << i;
+    ASSERT_EQ(one, CrossFence(EdgeOf(b, a, h, m), FenceOf(d, c, k, n))) << i << ", turned round";
+    crossings += one == Crossing::kCrosses;
   }
   EXPECT_GT(crossings, 1000);
 }

@@ -49,6 +49,16 @@ struct Scene {
   ConnectionProposal connection;
 };
 
+// A plane whose ways are what a map of it shows, however high their ends are drawn.
+class MappedSurface : public PlaneSurface {
+ public:
+  bool TraceWay(const SourcePoint& a, const SourcePoint& b, std::vector<WayPiece>& way) const override {
+    const auto on_map = [](const Vec3& p) { return Vec3{p.x, p.y, 0}; };
+    way = {{0, on_map(a.position), on_map(b.position)}};
+    return true;
+  }
+};
+
 // Edge 0 has length 1 and everything else is far away.
 const std::vector<Vec3> kRoomy = {{0, 0, 0}, {1, 0, 0}, {9, -5, 0}, {1, -10, 0}, {0, -10, 0}, {-8, -5, 0}};
 
@@ -128,6 +138,18 @@ TEST(ProposeFree, IgnoresTheOtherSideOfAThinPlate) {
   const FrontEdgeId e = scene.Loop(kRoomy)[0];
   scene.Loop({{-3, -0.2, -0.01}, {3, -0.2, -0.01}, {0, 5, -0.01}}, -kUp);
   EXPECT_EQ(scene.Free(e), Verdict::kAccepted);
+}
+
+// On rough ground a front edge may run far above a new one that crosses it.
+TEST(ProposeFree, AsksTheSurfaceWhetherItCrossesWhatRunsAbove) {
+  for (const Vec3& normal : {kUp, Normalized(Vec3{0, 1, -1})}) {
+    Scene plain, mapped(std::make_unique<MappedSurface>());
+    for (Scene* scene : {&plain, &mapped}) {
+      const FrontEdgeId e = scene->Loop(kRoomy)[0];
+      scene->Loop({{-3, -0.2, 1.5}, {3, -0.2, 1.5}, {0, 5, 1.5}}, normal);
+      EXPECT_EQ(scene->Free(e), scene == &mapped ? Verdict::kCrossesFence : Verdict::kAccepted) << normal.z;
+    }
+  }
 }
 
 TEST(ProposeFree, KeepsTheRatioOfARoundTriangle) {
@@ -256,6 +278,31 @@ TEST(CheckConnection, RejectsSidesThroughAFence) {
   scene.Loop({{-2, 0, 0}, {2, 0, 0}, {0, 4, 0}});
   EXPECT_EQ(scene.proposer.CheckConnection(e[0], e[3], kStrict), Verdict::kCrossesFence);
   EXPECT_EQ(scene.proposer.CheckConnection(e[0], e[3], kStrictness[3]), Verdict::kCrossesFence) << "at any strictness";
+}
+
+TEST(CheckConnection, AsksTheSurfaceWhetherItCrossesWhatRunsAbove) {
+  Scene plain, mapped(std::make_unique<MappedSurface>());
+  for (Scene* scene : {&plain, &mapped}) {
+    const auto e = scene->Loop(Polygon(5));
+    scene->Loop({{-2, 0, 0.9}, {2, 0, 0.9}, {0, 4, 0.9}});
+    EXPECT_EQ(scene->proposer.CheckConnection(e[0], e[3], kStrict),
+              scene == &mapped ? Verdict::kCrossesFence : Verdict::kAccepted);
+  }
+}
+
+// The front edge's slot is used again by another edge.
+TEST(CheckConnection, ForgetsTheWaysOfFrontEdgesThatAreGone) {
+  Scene scene(std::make_unique<MappedSurface>());
+  const auto e = scene.Loop(Polygon(5));
+  const auto above = scene.Loop({{-2, 0, 0.9}, {2, 0, 0.9}, {0, 4, 0.9}});
+  EXPECT_EQ(scene.proposer.CheckConnection(e[0], e[3], kStrict), Verdict::kCrossesFence);
+  for (const FrontEdgeId a : above) scene.fences.Erase(a);
+  scene.fronts.Connect(above[0], above[2], TriangleKind::kClosing);
+  std::vector<WindowVertexId> aside;
+  for (const Vec3& p : {Vec3{-2, 3, 0.9}, Vec3{2, 3, 0.9}, Vec3{0, 7, 0.9}}) aside.push_back(scene.Vertex(p));
+  const auto again = scene.Loop(aside);
+  ASSERT_THAT(again, ::testing::Contains(above[0]));
+  EXPECT_EQ(scene.proposer.CheckConnection(e[0], e[3], kStrict), Verdict::kAccepted);
 }
 
 TEST(CheckConnection, DoesNotReachTheSheetAbove) {
