@@ -50,6 +50,12 @@ struct MeasureArguments {
   bool json = false;
 };
 
+struct RenderArguments {
+  std::string in, out;
+  std::string view_of;                               // path, empty: of IN itself
+  MeshingFlags::Text size, zoom, at, up, in_format;  // texts, for the same reason
+};
+
 // The options to send: what was given and nothing else. InvalidArgument in one sentence: a value out of its range, flags that
 // contradict one another, or a flag that is documented but does nothing yet ("not yet").
 absl::StatusOr<v1::RemeshOptions> ParseMeshingFlags(const MeshingFlags& flags);

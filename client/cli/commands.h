@@ -12,6 +12,7 @@ namespace meshfront {
 ExitCode RunRemesh(const RemeshArguments& arguments);
 ExitCode RunEstimate(const EstimateArguments& arguments);
 ExitCode RunMeasure(const MeasureArguments& arguments);
+ExitCode RunRender(const RenderArguments& arguments);
 ExitCode RunInfo(const std::string& path, const CallFlags& flags);
 ExitCode RunSample(const std::string& path);
 ExitCode RunFigures(const std::string& path);

@@ -20,6 +20,7 @@ struct CommandLine {
   RemeshArguments remesh;
   EstimateArguments estimate;
   MeasureArguments measure;
+  RenderArguments render;
   std::string info_path, sample_path, figures_path;
   CallFlags info_flags;
 };
@@ -94,6 +95,18 @@ void AddMeasure(CLI::App* program, MeasureArguments* arguments) {
   command->add_flag("--json", arguments->json, "print JSON");
 }
 
+void AddRender(CLI::App* program, RenderArguments* arguments) {
+  CLI::App* command = program->add_subcommand("render", "A picture of a mesh: shaded faces and their edges");
+  command->add_option("IN", arguments->in, "a mesh or point set, or - for standard input")->required();
+  command->add_option("OUT", arguments->out, "PNG, or - for standard output")->required();
+  command->add_option("--view-of", arguments->view_of, "seen as this mesh is, so that pictures can be compared [IN]");
+  command->add_option("--up", arguments->up, "y, z: what is up in the picture [what shows more]");
+  command->add_option("--at", arguments->at, "x,y,z of the point in the middle [that of the shape]");
+  command->add_option("--zoom", arguments->zoom, "how many times larger than the whole shape would be [1]");
+  command->add_option("--size", arguments->size, "width and height in pixels, from 16 to 8192 [800]");
+  command->add_option("--in-format", arguments->in_format, "format of IN when it is -");
+}
+
 void AddOthers(CLI::App* program, CommandLine* line) {
   CLI::App* info = program->add_subcommand("info", "What is in a file, and what is wrong with it, with locations");
   info->add_option("FILE", line->info_path, "a mesh or point set, or - for standard input")->required();
@@ -115,6 +128,7 @@ ExitCode RunParsed(const CLI::App& program, const CommandLine& line) {
   if (program.got_subcommand("remesh")) return RunRemesh(line.remesh);
   if (program.got_subcommand("estimate")) return RunEstimate(line.estimate);
   if (program.got_subcommand("measure")) return RunMeasure(line.measure);
+  if (program.got_subcommand("render")) return RunRender(line.render);
   if (program.got_subcommand("info")) return RunInfo(line.info_path, line.info_flags);
   if (program.got_subcommand("sample")) return RunSample(line.sample_path);
   if (program.got_subcommand("figures")) return RunFigures(line.figures_path);
@@ -129,6 +143,7 @@ ExitCode ParseAndRun(int argc, char** argv) {
   AddRemesh(&program, &line.remesh);
   AddEstimate(&program, &line.estimate);
   AddMeasure(&program, &line.measure);
+  AddRender(&program, &line.render);
   AddOthers(&program, &line);
   const std::string command = argc > 1 ? argv[1] : "";
   const auto is_it = [&command](const CLI::App* subcommand) { return subcommand->get_name() == command; };

@@ -77,6 +77,14 @@ TEST_F(Program, ExitsWithTwoForMistakesInTheCommandLine) {
       {"remesh", "in.ply", "out.ply", "--stats", "-", "--trace", "-"},
       {"estimate"},
       {"measure"},
+      {"render", "in.ply"},
+      {"render", "in.ply", "picture.jpg"},
+      {"render", "in.ply", "picture.png", "--size", "15"},
+      {"render", "in.ply", "picture.png", "--size", "9000"},
+      {"render", "in.ply", "picture.png", "--zoom", "0"},
+      {"render", "in.ply", "picture.png", "--at", "1,2"},
+      {"render", "in.ply", "picture.png", "--up", "x"},
+      {"render", "in.ply", "picture.png", "--at", "1,2,x"},
       {"info"}};
   for (const std::vector<std::string>& arguments : mistakes) {
     const Outcome outcome = Run(arguments);
@@ -202,6 +210,36 @@ TEST_F(Program, DescribesWhatIsInAFileAndWhatIsWrongWithIt) {
   EXPECT_EQ(book.exit_code, 0);
   EXPECT_THAT(book.out, HasSubstr("not manifold"));
   EXPECT_THAT(book.out, HasSubstr("non_manifold_edge"));
+}
+
+TEST_F(Program, RendersAMeshOfTheSizeThatIsAskedFor) {
+  WriteSphere("in.ply");
+  ASSERT_EQ(Run({"render", "in.ply", "picture.png", "--size", "300"}).exit_code, 0);
+  const std::string png = Contents("picture.png");
+  ASSERT_GT(png.size(), 24u);
+  EXPECT_EQ(png.substr(1, 3), "PNG");
+  EXPECT_EQ(png.substr(16, 8), std::string("\0\0\1\x2c\0\0\1\x2c", 8));  // width and height, big-endian
+  EXPECT_EQ(Run({"render", "missing.ply", "none.png"}).exit_code, 3);
+  EXPECT_EQ(Run({"render", "in.ply", "missing/none.png"}).exit_code, 7);
+  EXPECT_THAT(Files(), ElementsAre("in.ply", "picture.png"));
+}
+
+TEST_F(Program, RendersWhatIsSmallerAsSmallInTheViewOfTheWhole) {
+  WriteSphere("whole.ply");
+  const TriangleMesh part = Mapped(Icosphere(3), [](const Vec3& p) { return 0.5 * p; });
+  ASSERT_THAT(WriteMeshFile(PathOf("part.ply"), part), IsOk());
+  const auto rendered = [this](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"render", "part.ply", "out.png", "--size", "64"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    EXPECT_EQ(Run(arguments).exit_code, 0);
+    return Contents("out.png");
+  };
+  const std::string alone = rendered({});
+  EXPECT_NE(rendered({"--view-of", "whole.ply"}), alone);
+  EXPECT_EQ(rendered({"--view-of", "whole.ply", "--zoom", "2"}), alone);
+  EXPECT_EQ(rendered({"--at", "0,0,0"}), alone);
+  EXPECT_NE(rendered({"--up", "y"}), rendered({"--up", "z"}));
+  EXPECT_NE(rendered({"--at=-0.5,0,0"}), alone);
 }
 
 TEST_F(Program, WritesTheSampleInTheFormatOfItsName) {

@@ -38,10 +38,11 @@ View LookFrom(double azimuth, double elevation, bool z_up) {
   return view;
 }
 
-std::vector<Candidate> Candidates() {
+std::vector<Candidate> Candidates(std::optional<UpAxis> up) {
   constexpr std::array<double, 3> elevations = {18, 35, 60};
   std::vector<Candidate> candidates;
   for (const bool z_up : {false, true}) {
+    if (up && z_up != (*up == UpAxis::kZ)) continue;
     for (size_t e = 0; e < elevations.size(); ++e) {
       for (int azimuth = -165; azimuth <= 165; azimuth += 30) {
         const bool behind = std::abs(azimuth) > 90;
@@ -99,10 +100,10 @@ void FrameShape(const TriangleMesh& mesh, View* view) {
 
 }  // namespace
 
-View ChooseView(const TriangleMesh& mesh) {
+View ChooseView(const TriangleMesh& mesh, std::optional<UpAxis> up) {
   const std::vector<Vec3> areas = ProjectedAreas(mesh);
-  const std::vector<Candidate> candidates = Candidates();
-  View best = LookFrom(30 * kDegree, 18 * kDegree, false);
+  const std::vector<Candidate> candidates = Candidates(up);
+  View best = LookFrom(30 * kDegree, 18 * kDegree, up == UpAxis::kZ);
   double best_score = 0;
   for (const Candidate& candidate : candidates) {
     const double score = Score(candidate, areas);

@@ -1,6 +1,8 @@
 // From where a shape is looked at: an orthographic view that shows much of it.
 #pragma once
 
+#include <optional>
+
 #include "core/mesh/triangle_mesh.h"
 
 namespace meshfront {
@@ -13,8 +15,10 @@ struct View {
   double half_extent = 1;
 };
 
-// A three-quarter view from slightly above. Up is y or z; the azimuth and the elevation are those that turn most of the surface
+enum class UpAxis { kY, kZ };
+
+// A three-quarter view from slightly above. Up is y or z, whichever shows more unless it is given; the azimuth and the elevation are those that turn most of the surface
 // towards the eye. Deterministic; O(n) with a small constant. Any mesh gives a view, an empty one too.
-View ChooseView(const TriangleMesh& mesh);
+View ChooseView(const TriangleMesh& mesh, std::optional<UpAxis> up = std::nullopt);
 
 }  // namespace meshfront
