@@ -49,6 +49,19 @@ inline constexpr size_t kMaxWindow = 256;
 inline constexpr size_t kChordStopInterval = 16;  // vertices between two looks at the context while chords are tried
 // Ideal length on a curve is at most its length divided by this: g is l/η there, so a small hole gets about five vertices.
 inline constexpr double kMinEdgesPerLoop = 4;
+// A place of a rim is at a bend, not beside a strip, where the way along the rim to the other side is at most this many widths: at
+// corners wider than 28°, in round and square patches, in rectangles of up to 3 : 1.
+inline constexpr double kStripDetour = 4;
+// Nor in a wedge: the rims meet at this angle or more (4°; sine), and the way between them along the rim is about what it is on straight
+// sides to the tip and back. A field that follows the widths of wider wedges rises too steeply; its finest place would be the tip.
+inline constexpr double kMinWedgeSine = 0.07;
+inline constexpr double kMinWedgeWay = 0.5;
+inline constexpr double kMaxWedgeWay = 3;
+// Widths are looked for at places at most so many widths apart, and with at most so many pieces of an edge, each halved so often.
+inline constexpr double kWidthSpacing = 4;
+inline constexpr int kMaxWidthPieces = 64;
+inline constexpr int kMaxWidthHalvings = 8;
+inline constexpr int kMaxWidthFaces = 256;  // faces that a line across a patch may pass
 // Gaps in a crease are bridged over edges that turn by at least this part of the angle …
 inline constexpr double kWeakCrease = 0.5;
 inline constexpr int kMaxBridge = 6;                // … so many of them
