@@ -1,5 +1,5 @@
-// Build: 1. thickness, where it was not measured for edges as long (MeasureThickness); 2. curvature → ideal lengths, bounded by
-// thickness, by the component's size and by the clamps (Samples); 3. the field and its predicted count.
+// Build: 1. thickness, where it was not measured for edges as long (MeasureThickness), and the widths of patches (MeasureWidths);
+// 2. curvature → ideal lengths, bounded by thickness and width, by the component's size and by the clamps (Samples); 3. the field and its predicted count.
 // BuildForCount: 1. a field at the parameter that the curvature alone suggests (FirstGuess); 2. with its samples and a part of the
 // faces a secant on (log parameter, log count), which the paper's scaling makes almost a line (Improve); 3. a field there, and so
 // on until the count is right. Where the parameter's range ends with too many triangles, detail below a growing size is left out.
@@ -27,6 +27,14 @@ namespace {
 constexpr double kErrorPerSheetDistance = 0.25;
 // … but an edge needs to be no shorter for it than this part of the input's: those keep the sheets apart as well, or they meet.
 constexpr double kLeastPerInputEdge = 0.5;
+// On a strip g is at most so many of its widths: triangles between two rows of points that far apart have 2r/R of 0.6 and more. At 1.7
+// it is 0.75, with a quarter more triangles; at 2.5, 0.6 and up to a tenth fewer …
+constexpr double kEdgePerWidth = 2.25;
+// … where that is at least this part of what else is wanted there. Narrower strips matter the less the narrower they are: edges as short
+// as a hair along all of it would be thousands, and somewhat longer ones make needles anyway.
+constexpr double kLeastForWidth = 1.0 / 16;
+// A strip narrower than this part of its component's diagonal is not seen, but would be the finest place of the mesh.
+constexpr double kHairOfDiagonal = 2e-3;
 constexpr double kCountTolerance = 0.004;  // an eighth of what is promised of the real count
 constexpr double kReachable = 0.01;        // farther from the count than this, at the end of the range, it is refused
 constexpr int kMaxSteps = 24;
@@ -155,6 +163,44 @@ absl::Status FieldBuilder::MeasureThickness(const Context& context) {
   return absl::OkStatus();
 }
 
+// Once, as far as an edge could be too long anywhere. Where one length is asked for it is not shortened for strips.
+absl::Status FieldBuilder::MeasureWidths(const Context& context) {
+  if (widths_) return absl::OkStatus();
+  widths_.emplace();
+  if (limits_.sizing == Sizing::kUniform) return absl::OkStatus();
+  std::vector<WidthRange> ranges;
+  for (const double diagonal : surface_.whole_diagonals()) {
+    const double longest = limits_.max_edge_given ? kInfinity : kMaxEdgePerComponent * diagonal;
+    ranges.push_back({kHairOfDiagonal * diagonal, std::min(longest, limits_.max_edge) / (limits_.eta * kEdgePerWidth)});
+  }
+  MESHFRONT_ASSIGN_OR_RETURN(widths_, MeasurePatchWidths(surface_, ranges, context));
+  return absl::OkStatus();
+}
+
+// +infinity where the patch is wide enough.
+double FieldBuilder::LengthForWidth(const WidthSample& place) const {
+  const VertexId a = OriginOf(surface_.mesh(), place.half_edge), b = TargetOf(surface_.mesh(), place.half_edge);
+  const absl::Span<const double> curvatures = surface_.vertex_curvatures();
+  const double curvature = std::max(curvatures[a.index()], curvatures[b.index()]);
+  const double wanted = std::min({LengthAt(curvature), longest_[a.index()], limits_.max_edge});
+  const double least = kLeastForWidth * wanted;
+  double length = limits_.eta * kEdgePerWidth * place.width;
+  if (length < least) length = least * (least / length);
+  length = std::max(length, detail_);
+  return length < wanted ? std::max(length, limits_.min_edge) : kInfinity;
+}
+
+// What strips of one row of triangles take beyond what their area tells: one for each edge along either of their rims.
+double FieldBuilder::CountBesideWidths(const GuidanceField& field) const {
+  double count = 0;
+  for (const WidthSample& place : *widths_) {
+    const double g = field.At(place.position),
+                 by_area = kTrianglesPerIdealTriangle * 2 / std::sqrt(3.0) * place.width / g;
+    count += place.stretch / g * std::max(1 - by_area, 0.0);
+  }
+  return count;
+}
+
 absl::StatusOr<std::vector<SizingSample>> FieldBuilder::Samples(uint64_t& clamped, const Context& context) const {
   const auto ideal_length = [&](double max_curvature) { return IdealLengthAt(max_curvature); };
   MESHFRONT_ASSIGN_OR_RETURN(const std::vector<CurvatureSample> places,
@@ -174,19 +220,25 @@ absl::StatusOr<std::vector<SizingSample>> FieldBuilder::Samples(uint64_t& clampe
   MESHFRONT_ASSIGN_OR_RETURN(const std::vector<SizingSample> rim,
                              BoundarySizingSamples(surface_, ideal_length, context));
   samples.insert(samples.end(), rim.begin(), rim.end());
+  for (const WidthSample& place : *widths_) {
+    const double length = LengthForWidth(place);
+    if (std::isfinite(length)) samples.push_back({place.position, length});
+  }
   return samples;
 }
 
 absl::StatusOr<SizedField> FieldBuilder::Build(double parameter, const Context& context) {
   parameter_ = parameter;
   MESHFRONT_RETURN_IF_ERROR(MeasureThickness(context));
+  MESHFRONT_RETURN_IF_ERROR(MeasureWidths(context));
   uint64_t clamped = 0;
   MESHFRONT_ASSIGN_OR_RETURN(std::vector<SizingSample> samples, Samples(clamped, context));
   const GuidanceOptions options{limits_.eta, limits_.min_edge, LongestGuidance()};
   MESHFRONT_ASSIGN_OR_RETURN(GuidanceField field, GuidanceField::Create(std::move(samples), options, context));
   const FaceSpans faces{surface_.mesh().positions, surface_.mesh().triangles, surface_.vertex_curvatures()};
-  MESHFRONT_ASSIGN_OR_RETURN(const double predicted, PredictTriangles(faces, field, context));
-  return SizedField{std::move(field), parameter, CountFactorOf(limits_.sizing) * predicted, clamped, detail_};
+  MESHFRONT_ASSIGN_OR_RETURN(const double by_area, PredictTriangles(faces, field, context));
+  const double predicted = CountFactorOf(limits_.sizing) * by_area + CountBesideWidths(field);
+  return SizedField{std::move(field), parameter, predicted, clamped, detail_};
 }
 
 // Where every place had the edges that its own curvature asks for, g = l/η, the count would be a power of the parameter.

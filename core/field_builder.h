@@ -5,10 +5,12 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "core/base/context.h"
+#include "core/features/patch_width.h"
 #include "core/guidance/guidance_field.h"
 #include "core/remesh.h"
 #include "core/surface/mesh_surface.h"
@@ -52,6 +54,9 @@ class FieldBuilder {
   double LengthForSheet(const CurvatureSample& place) const;
   double IdealLengthAt(double max_curvature) const;
   absl::Status MeasureThickness(const Context& context);
+  absl::Status MeasureWidths(const Context& context);
+  double LengthForWidth(const WidthSample& place) const;
+  double CountBesideWidths(const GuidanceField& field) const;
   absl::StatusOr<std::vector<SizingSample>> Samples(uint64_t& clamped, const Context& context) const;
   // Faces that stand for all.
   struct Probe {
@@ -83,6 +88,7 @@ class FieldBuilder {
   double measured_ = 0;          // the parameter that thickness was measured for; 0: not yet
   double measured_detail_ = 0;   // … and the detail
   std::vector<double> sheet_distances_;
+  std::optional<std::vector<WidthSample>> widths_;  // none: not measured yet
 };
 
 // The largest part of its component's diagonal that an edge may have where max_edge is not given.

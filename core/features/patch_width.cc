@@ -1,6 +1,7 @@
 // 1. The rims as loops of half-edges with their arcs (RimMap). 2. From places on each half-edge a straight line across the patch,
 // perpendicular to it, over the faces laid flat one after the other (WalkAcross), until a rim. 3. Unless the way there along the rim
-// is short, or as long as that to the tip of a wedge and back (IsBend). 4. Half-edges that are long against the width are halved and looked at again (MeasureAlong).
+// is short, or as long as that to the tip of a wedge and back (IsBend). 4. Half-edges that are long against the width are halved and
+// looked at again (MeasureAlong).
 //
 //        rim  ────────┬──────────      A line from the middle of a rim's edge, and from more of its places where the
 //                     │ width          patch is narrow against the edge.

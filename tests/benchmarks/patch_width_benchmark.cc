@@ -1,4 +1,4 @@
-// The kernels of core/features: the widths of patches across a plate and along an open ribbon, both finely and coarsely meshed.
+// The kernels of core/features: the widths of an open ribbon, coarsely and finely meshed, and what a closed surface pays for them.
 #include <benchmark/benchmark.h>
 
 #include <cmath>

@@ -241,6 +241,83 @@ TEST(RemeshCreases, AreTheSameAtAnyNumberOfThreads) {
   }
 }
 
+// [-1, 1]² × [0, 1] with its upright edges cut off: four strips, `width` wide.
+TriangleMesh BeveledBox(double width) {
+  const double cut = 1 - width / std::numbers::sqrt2;
+  return Extruded(Fan({{cut, -1, 0},
+                       {1, -cut, 0},
+                       {1, cut, 0},
+                       {cut, 1, 0},
+                       {-cut, 1, 0},
+                       {-1, cut, 0},
+                       {-1, -cut, 0},
+                       {-cut, -1, 0}}),
+                  1);
+}
+
+TriangleMesh OpenRibbon(double width) {
+  return Mapped(Sheet(8), [&](const Vec3& p) { return Vec3{p.x, 0.5 * width * p.y, 0}; });
+}
+
+struct StripShape {
+  std::string name;
+  TriangleMesh mesh;
+};
+std::vector<StripShape> StripShapes() {
+  return {{"plate", Extruded(Sheet(4), 0.08)},
+          {"plate of twelve triangles", Extruded(Sheet(1), 0.08)},
+          {"beveled box", BeveledBox(0.08)},
+          {"open ribbon", OpenRibbon(0.08)},
+          {"washer",
+           Extruded(Clipped(Sheet(60), [](const Vec3& p) { return std::abs(std::hypot(p.x, p.y) - 0.8) - 0.04; }), 1)}};
+}
+
+TEST(RemeshCreases, MakeGoodTrianglesOfStripsThatAreNarrowerThanAnEdge) {
+  for (const auto& [name, mesh] : StripShapes()) {
+    for (const double rho : {0.5, 1.0, 1.5}) {
+      SCOPED_TRACE(name + " at " + std::to_string(rho));
+      RemeshOptions options;
+      options.rho = rho;
+      const Outcome out = RemeshOrFail(mesh, options);
+      EXPECT_TRUE(out.report.complete);
+      EXPECT_EQ(MeasureTopology(out.mesh).closed, MeasureTopology(mesh).closed);
+      EXPECT_GT(out.report.quality.radius_ratio_p0_5, 0.5);
+      EXPECT_GT(out.report.quality.radius_ratio_min, 0.3);
+      EXPECT_NEAR(static_cast<double>(out.report.predicted_triangles) / out.report.output.triangles, 1, 0.12);
+    }
+  }
+}
+
+TEST(RemeshCreases, TakeNoThousandsOfTrianglesForAStripAsThinAsAHair) {
+  for (const double width : {1e-1, 1e-2, 1e-3, 1e-4}) {
+    EXPECT_LT(RemeshOrFail(Extruded(Sheet(4), width), {}).mesh.triangles.size(), 4000) << width;
+    EXPECT_LT(RemeshOrFail(BeveledBox(width), {}).mesh.triangles.size(), 4000) << width;
+  }
+}
+
+TEST(RemeshCreases, AreMetByTheNumberOfTrianglesWantedBesideStrips) {
+  RemeshOptions options;
+  for (const uint64_t count : {1000, 10000}) {
+    options.target_triangles = count;
+    options.sizing = Sizing::kError;
+    const Report report =
+        RemeshOrFail(Joined(BeveledBox(0.08), Moved(Torus(1, 0.4, 120, 48), {4, 0, 0})), options).report;
+    EXPECT_NEAR(static_cast<double>(report.predicted_triangles) / static_cast<double>(count), 1, 0.01);
+  }
+}
+
+TEST(RemeshCreases, KeepTheLengthAskedForBesideStrips) {
+  RemeshOptions options;
+  options.sizing = Sizing::kUniform;
+  options.edge_length = Length{0.1, false};
+  const TriangleMesh mesh = RemeshOrFail(BeveledBox(0.02), options).mesh;
+  std::vector<Segment> edges =
+      SegmentsOf(mesh, CreateAdjacency(mesh), std::vector<bool>(3 * mesh.triangles.size(), true));
+  std::nth_element(edges.begin(), edges.begin() + edges.size() / 2, edges.end(),
+                   [](const Segment& a, const Segment& b) { return Distance(a.from, a.to) < Distance(b.from, b.to); });
+  EXPECT_NEAR(Distance(edges[edges.size() / 2].from, edges[edges.size() / 2].to), 0.1, 0.002);
+}
+
 TEST(RemeshCreases, AreRoundedOffWithoutAnAngle) {
   RemeshOptions options;
   const auto corners = [](const TriangleMesh& mesh) {
