@@ -95,7 +95,8 @@ class Links(html.parser.HTMLParser):
 
 
 def reproduce(out, *more, program=None):
-    environment = {k: v for k, v in os.environ.items() if k not in ("MESHFRONT_JUDGE", "MESHFRONT_CLOCK")}
+    # Both may have been built where they are looked for when nothing is said.
+    environment = {**os.environ, "MESHFRONT_JUDGE": str(out / "no judge"), "MESHFRONT_CLOCK": str(out / "no clock")}
     return subprocess.run([sys.executable, str(SCRIPT), str(out), "--meshfront", program or MESHFRONT, "--data", str(out / "no data"),
                            "--scale", str(SCALE), "--repeats", "1", *more], env=environment, capture_output=True, text=True, timeout=240)
 
