@@ -220,6 +220,7 @@ absl::StatusOr<std::vector<SizingSample>> FieldBuilder::Samples(uint64_t& clampe
   MESHFRONT_ASSIGN_OR_RETURN(const std::vector<SizingSample> rim,
                              BoundarySizingSamples(surface_, ideal_length, context));
   samples.insert(samples.end(), rim.begin(), rim.end());
+  samples.insert(samples.end(), added_.begin(), added_.end());
   for (const WidthSample& place : *widths_) {
     const double length = LengthForWidth(place);
     if (std::isfinite(length)) samples.push_back({place.position, length});

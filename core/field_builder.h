@@ -2,7 +2,9 @@
 // number of triangles.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -41,6 +43,15 @@ class FieldBuilder {
 
   // `parameter`: rho in (0, 2π/3], the error bound, or the median edge, > 0. Fails when the context stops it.
   absl::StatusOr<SizedField> Build(double parameter, const Context& context);
+
+  // Whether some part of the surface lies so close to another that it had to be asked about, in the last field.
+  bool HasCloseSheets() const {
+    return std::any_of(sheet_distances_.begin(), sheet_distances_.end(), [](double d) { return std::isfinite(d); });
+  }
+  // One more sample for the fields that are built from now on, unless the clamp of g forbids it.
+  void AddSample(const SizingSample& sample) {
+    added_.push_back({sample.position, std::max(sample.ideal_length, limits_.min_edge)});
+  }
 
   // The field whose predicted count is within 0.3 % of `count`; mostly two or three of them are built. Where even the largest
   // parameter makes too many, because the surface is rough, detail is left out. InvalidArgument when so few or so many can't be
@@ -88,6 +99,7 @@ class FieldBuilder {
   double measured_ = 0;          // the parameter that thickness was measured for; 0: not yet
   double measured_detail_ = 0;   // … and the detail
   std::vector<double> sheet_distances_;
+  std::vector<SizingSample> added_;
   std::optional<std::vector<WidthSample>> widths_;  // none: not measured yet
 };
 

@@ -28,6 +28,9 @@ constexpr double kMaxErrorPerDiagonal = 1e-3;
 // Outside this range of sizes the input is scaled by a power of two, which changes no significant bit.
 constexpr double kMinDiagonal = 1e-30, kMaxDiagonal = 1e30;
 
+// g where the mesh is made again, in parts of what it was.
+constexpr double kFinerPerGuidance = 0.5;
+
 class Stopwatch {
  public:
   double Lap() {
@@ -119,7 +122,8 @@ absl::Status MakeField(Preparation& p, const Context& context) {
   RemeshOptions& options = p.parameters.options;
   const SizingLimits limits{options.sizing, options.eta, p.parameters.min_edge, p.parameters.max_edge,
                             options.max_edge.has_value()};
-  FieldBuilder builder(*p.surface, limits);
+  p.builder = std::make_unique<FieldBuilder>(*p.surface, limits);
+  FieldBuilder& builder = *p.builder;
   absl::StatusOr<SizedField> sized = options.target_triangles
                                          ? builder.BuildForCount(*options.target_triangles, context)
                                          : builder.Build(ParameterOf(options, p), context);
@@ -185,6 +189,15 @@ absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {
   p.seeds = p.surface->Seeds();
   p.seconds.features = watch.Lap();
   return p;
+}
+
+absl::Status PrepareFiner(absl::Span<const Vec3> places, Preparation& p, const Context& context) {
+  for (const Vec3& place : places)
+    p.builder->AddSample({place, kFinerPerGuidance * p.parameters.options.eta * p.field->At(place)});
+  MESHFRONT_ASSIGN_OR_RETURN(SizedField sized, p.builder->Build(p.parameter, context));
+  p.field = std::move(sized.field);
+  MESHFRONT_ASSIGN_OR_RETURN(p.loops, BoundaryLoops(*p.surface, *p.field, context));
+  return absl::OkStatus();
 }
 
 }  // namespace meshfront

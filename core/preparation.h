@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/field_builder.h"
 #include "core/guidance/guidance_field.h"
 #include "core/remesh.h"
 #include "core/surface/mesh_surface.h"
@@ -18,6 +19,7 @@ struct Preparation {
   InputReport input;
   ParametersInForce parameters;
   std::unique_ptr<MeshSurface> surface;
+  std::unique_ptr<FieldBuilder> builder;
   std::optional<GuidanceField> field;
   std::vector<OrientedLoop> loops;
   std::vector<SourcePoint> seeds;
@@ -33,5 +35,8 @@ double ErrorBoundInForce(const Preparation& preparation, double length, double m
 
 // The stages up to the first triangle. Same errors as Remesh.
 absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context);
+
+// Field and initial fronts again, with edges half as long at these places and, as eta has it, around them.
+absl::Status PrepareFiner(absl::Span<const Vec3> places, Preparation& preparation, const Context& context);
 
 }  // namespace meshfront

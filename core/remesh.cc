@@ -6,14 +6,18 @@
 #include <limits>
 #include <numbers>
 #include <thread>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/exceptions.h"
 #include "core/base/status_macros.h"
 #include "core/front/advancing_front.h"
+#include "core/geometry/intersection.h"
 #include "core/geometry/triangle.h"
 #include "core/guidance/prediction.h"
 #include "core/guidance/sizing.h"
+#include "core/mesh/holding_sink.h"
+#include "core/mesh/self_intersection.h"
 #include "core/preparation.h"
 
 namespace meshfront {
@@ -29,6 +33,12 @@ constexpr uint64_t kMaxPerPredicted = 2, kMaxBeyondPredicted = 20000;
 // Vertices for each triangle that may be added where the error is largest when a number of triangles is wanted: the maximum is made by
 // few places. As it goes; and in all, counting only what is far beyond the bound from there on.
 constexpr double kInsertionsForCount = 0.005, kMostInsertionsForCount = 0.0185;
+
+// Rims and creases are divided before the front starts, and no roll-back can divide them again. So with them so much of the output is
+// held back, for the whole to be made again with shorter edges where it came out wrong.
+constexpr uint64_t kHeldTriangles = 1 << 18;
+constexpr int kMaxAttempts = 4;
+constexpr size_t kMaxListedPairs = 20000;  // of an output's intersections, that are looked at
 
 double SecondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -111,6 +121,72 @@ TopologyReport OutputTopology(const FrontReport& front) {
   return t;
 }
 
+// What came of one run of the front, and where it is wrong.
+struct Attempt {
+  FrontReport front;
+  std::vector<HeldPiece> pieces;
+  std::vector<Vec3> intersections;  // where it meets itself though the surface does not within the error bound
+
+  size_t faults() const { return front.open_places.size() + intersections.size(); }
+};
+
+Vec3 WhereTheyMeet(const TriangleMesh& mesh, FaceId s, FaceId t) {
+  const auto corner = [&](FaceId f, int i) { return mesh.PositionAt(mesh.triangles[f.index()][i]); };
+  const Vec3 a[3] = {corner(s, 0), corner(s, 1), corner(s, 2)}, b[3] = {corner(t, 0), corner(t, 1), corner(t, 2)};
+  const auto stretch = CommonStretch(a, b);
+  return stretch ? 0.5 * ((*stretch)[0] + (*stretch)[1]) : (a[0] + a[1] + a[2]) / 3.0;
+}
+
+// The settling window compares what it holds at a time; this compares all with all.
+absl::Status FindIntersections(const Preparation& p, const FrontOptions& options, Attempt& attempt,
+                               const Context& context) {
+  TriangleMesh mesh;
+  for (const HeldPiece& piece : attempt.pieces) {
+    for (const OutputVertex& v : piece.vertices) mesh.positions.push_back(v.position);
+    mesh.triangles.insert(mesh.triangles.end(), piece.triangles.begin(), piece.triangles.end());
+  }
+  MESHFRONT_ASSIGN_OR_RETURN(const SelfIntersections found, FindSelfIntersections(mesh, kMaxListedPairs, context));
+  const double bound =
+      std::isfinite(options.max_error) ? options.max_error : options.error_per_length * attempt.front.longest_edge;
+  for (const auto& [s, t] : found.first_pairs) {
+    const Vec3 place = WhereTheyMeet(mesh, s, t);
+    if (!p.surface->MeetsItselfNear(place, bound)) attempt.intersections.push_back(place);
+  }
+  return absl::OkStatus();
+}
+
+// The front, again with shorter edges around its faults while it has any and nothing of it went on; the best of the attempts.
+absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& p, const FrontOptions& options, MeshSink& sink,
+                                          const Context& context) {
+  HoldingSink held(sink, p.loops.empty() ? 0 : kHeldTriangles);
+  Attempt best;
+  for (int number = 1;; ++number) {
+    Attempt attempt;
+    MESHFRONT_ASSIGN_OR_RETURN(attempt.front,
+                               AdvanceFront(*p.surface, *p.field, p.loops, p.seeds, options, held, context));
+    attempt.intersections = attempt.front.spread_intersections;
+    if (held.is_passing()) return attempt;
+    attempt.pieces = held.Take();
+    attempt.intersections.clear();
+    if (p.builder->HasCloseSheets()) MESHFRONT_RETURN_IF_ERROR(FindIntersections(p, options, attempt, context));
+    std::vector<Vec3> places = attempt.front.open_places;
+    places.insert(places.end(), attempt.intersections.begin(), attempt.intersections.end());
+    if (number == 1 || attempt.faults() < best.faults()) best = std::move(attempt);
+    if (places.empty() || number == kMaxAttempts) break;
+    MESHFRONT_RETURN_IF_ERROR(PrepareFiner(places, p, context));
+  }
+  held.PutBack(std::exchange(best.pieces, {}));
+  MESHFRONT_RETURN_IF_ERROR(held.Release());
+  return best;
+}
+
+// Where the input meets itself, so may the output, but not far from there.
+void WarnOfIntersections(const Attempt& attempt, Report& report) {
+  if (attempt.intersections.empty()) return;
+  report.warnings.push_back(absl::StrCat("triangles meet where the input does not within the error bound, in ",
+                                         attempt.intersections.size(), " places near parts of it that meet"));
+}
+
 // An empty mesh is no result. The test that refused most says why.
 absl::Status NothingMeshed(const FrontReport& front, double scale) {
   std::string message = "not one triangle could be meshed";
@@ -187,8 +263,8 @@ absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& co
       .insertions = p.parameters.target_triangles > 0
                         ? InsertionLimits{kInsertionsForCount, kMostInsertionsForCount * p.predicted_triangles}
                         : InsertionLimits{}};
-  MESHFRONT_ASSIGN_OR_RETURN(const FrontReport front,
-                             AdvanceFront(*p.surface, *p.field, p.loops, p.seeds, options, outgoing, context));
+  MESHFRONT_ASSIGN_OR_RETURN(const Attempt attempt, AdvanceInAttempts(p, options, outgoing, context));
+  const FrontReport& front = attempt.front;
   if (front.triangles == 0) return NothingMeshed(front, p.scale);
   Report report;
   report.input = p.input;
@@ -217,6 +293,7 @@ absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& co
   report.threads = ThreadsInForce(context);
   Scale(p, report);
   WarnOfDeviations(front, p.scale, report);
+  WarnOfIntersections(attempt, report);
   return report;
 } catch (const std::exception&) {
   return StatusOfException();

@@ -17,6 +17,7 @@
 #include "core/base/status_macros.h"
 #include "core/features/curve.h"
 #include "core/features/tolerances.h"
+#include "core/geometry/segment.h"
 
 namespace meshfront {
 namespace {
@@ -25,13 +26,6 @@ namespace {
 struct Piece {
   uint32_t begin, end;
 };
-
-double DistanceToSegment(const Vec3& x, const Vec3& a, const Vec3& b) {
-  const Vec3 d = b - a;
-  const double squared = SquaredNorm(d);
-  const double t = squared > 0 ? std::clamp(Dot(x - a, d) / squared, 0.0, 1.0) : 0;
-  return Distance(x, a + t * d);
-}
 
 // The t in [0, 1] at which the segment from inside the ball to outside of it crosses the sphere.
 double CrossingOf(const Vec3& inside, const Vec3& outside, const Vec3& center, double radius) {

@@ -11,16 +11,10 @@
 #include "core/base/status_macros.h"
 #include "core/features/curve.h"
 #include "core/features/tolerances.h"
+#include "core/geometry/segment.h"
 
 namespace meshfront {
 namespace {
-
-double SquaredDistanceToSegment(const Vec3& p, const Vec3& a, const Vec3& b) {
-  const Vec3 d = b - a;
-  const double squared = SquaredNorm(d);
-  const double t = squared > 0 ? std::clamp(Dot(p - a, d) / squared, 0.0, 1.0) : 0.0;
-  return SquaredDistance(p, a + t * d);
-}
 
 // One half of a window around a vertex: how many strides it goes, and the place where it ends.
 struct HalfWindow {

@@ -141,6 +141,7 @@ class AdvancingFront {
   bool CloseLoop(const std::vector<FrontEdgeId>& loop, const Strictness& strictness);
   bool RollBackLoop(const std::vector<FrontEdgeId>& loop);
   bool TakeBack(WindowTriangleId t, size_t limit);
+  bool Answer(const Fault& fault);
   bool RollBack(std::vector<WindowVertexId> around, int rings);
   void SeedAgain(const SourcePoint& seed, uint32_t label);
   void Abandon(const std::vector<FrontEdgeId>& loop);
@@ -150,6 +151,9 @@ class AdvancingFront {
   void ReportOpenPlaces(FrontReport& report) const;
   FrontReport Summarise() const;
 
+  double ErrorBound(double length) const {
+    return std::isfinite(options_.max_error) ? options_.max_error : options_.error_per_length * length;
+  }
   uint32_t NewOrigin() { return labels_.emplace_back(static_cast<uint32_t>(labels_.size())); }
   uint32_t RootOf(uint32_t label) const {
     while (labels_[label] != label) label = labels_[label];
@@ -186,6 +190,7 @@ class AdvancingFront {
   std::vector<RimEdge> rim_edges_;  // of the surface, creases left out
   std::vector<uint32_t> labels_;    // union-find over the origins of the fronts: counts the components
   size_t lost_components_ = 0;
+  std::vector<Vec3> spread_intersections_;
   std::vector<Vec3> open_places_;  // seeds without a triangle; the loops that stay open are found at the end
 };
 
@@ -669,19 +674,29 @@ bool AdvancingFront::TakeBack(WindowTriangleId t, size_t limit) {
   return RollBack({corners.begin(), corners.end()}, 1 + static_cast<int>(before));
 }
 
+// Where the surface meets itself within the error bound, the mesh may as well; what does so not much farther away is noted. Elsewhere
+// the edges are too long for what lies close by. True: taken back.
+bool AdvancingFront::Answer(const Fault& fault) {
+  const double length = fronts_.at(fronts_.at(fault.triangle).corners[0]).length;
+  const double bound = ErrorBound(std::max(length, window_.counts().longest_edge));
+  if (surface_.MeetsItselfNear(fault.place, bound)) {
+    window_.Excuse(fault.triangle);
+    return false;
+  }
+  if (surface_.MeetsItselfNear(fault.place, std::max(bound, kOwnIntersectionReach * length))) {
+    window_.Excuse(fault.triangle);
+    spread_intersections_.push_back(fault.place);
+    return false;
+  }
+  if (TakeBack(fault.triangle, kMaxRollBacksAtAPlace)) return true;
+  window_.GiveUp(fault.triangle);
+  return false;
+}
+
 absl::Status AdvancingFront::Settle(bool everything) {
-  const std::vector<WindowTriangleId> faulty = window_.Improve(context_);
   bool taken_back = false;
-  for (const WindowTriangleId t : faulty) {
-    if (!fronts_.at(t).alive) continue;
-    const WindowVertex& v = fronts_.at(fronts_.at(t).corners[0]);
-    if (surface_.MeetsItselfNear(v.position, kOwnIntersectionReach * v.length)) {
-      window_.Excuse(t);
-    } else if (TakeBack(t, kMaxRollBacksAtAPlace)) {
-      taken_back = true;
-    } else {
-      window_.GiveUp(t);
-    }
+  for (const Fault& fault : window_.Improve(context_)) {
+    if (fronts_.at(fault.triangle).alive) taken_back |= Answer(fault);
   }
   for (const WindowTriangleId t : window_.slivers()) {
     if (!fronts_.at(t).alive) continue;
@@ -710,6 +725,10 @@ FrontReport AdvancingFront::Summarise() const {
   report.flips = counts.flips;
   report.peak_front_edges = peak_front_edges_;
   report.roll_backs = roll_backs_;
+  const double bound = ErrorBound(counts.longest_edge);  // the longest is known by now
+  for (const Vec3& place : spread_intersections_) {
+    if (!surface_.MeetsItselfNear(place, bound)) report.spread_intersections.push_back(place);
+  }
   report.longest_edge = counts.longest_edge;
   report.largest_deviation = counts.largest_deviation;
   report.beyond_max_error = counts.beyond_max_error;

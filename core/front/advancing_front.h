@@ -50,6 +50,8 @@ struct FrontReport {
   QualityReport quality;
   std::vector<Vec3>
       open_places;  // where the mesh could not be closed, or not without an intersection; empty when all is well
+  // Where triangles meet others though the surface meets itself only near by, not within the error bound.
+  std::vector<Vec3> spread_intersections;
   std::vector<std::pair<std::string, uint64_t>> refusals;  // by verdict
 };
 

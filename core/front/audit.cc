@@ -1,6 +1,7 @@
 #include "core/front/audit.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -49,11 +50,14 @@ bool HasSimpleStar(const FrontSet& fronts, WindowVertexId id) {
 WindowTrianglePairs FindIntersections(const FrontSet& fronts, absl::FunctionRef<bool(WindowTriangleId)> leaves) {
   std::vector<Vec3> positions(fronts.vertex_slots());
   for (uint32_t i = 0; i < positions.size(); ++i) positions[i] = fronts.at(WindowVertexId(i)).position;
-  // Window vertices of one joint are one vertex here: the first of them.
-  absl::flat_hash_map<uint32_t, uint32_t> first_at_joint;
+  // Window vertices of one joint are one vertex here: the first of them. So are those of rims that touch, which are joined by their
+  // places alone.
+  absl::flat_hash_map<std::array<double, 3>, uint32_t> first_at;
   const auto name_of = [&](WindowVertexId v) {
-    if (fronts.at(v).joint == kNoJoint) return VertexId(v.index());
-    return VertexId(first_at_joint.try_emplace(fronts.at(v).joint, v.index()).first->second);
+    const WindowVertex& vertex = fronts.at(v);
+    if (!vertex.on_rim) return VertexId(v.index());
+    const Vec3& p = vertex.position;
+    return VertexId(first_at.try_emplace({p.x, p.y, p.z}, v.index()).first->second);
   };
   std::vector<Triangle> triangles;
   std::vector<WindowTriangleId> ids;

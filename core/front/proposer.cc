@@ -13,6 +13,7 @@
 #include <limits>
 
 #include "core/front/tolerances.h"
+#include "core/geometry/segment.h"
 #include "core/geometry/triangle.h"
 
 namespace meshfront {
@@ -29,13 +30,6 @@ constexpr double kSignTells =
     1e-6;  // a cosine that is required and above this is not met by what is not positive, rounded or not
 constexpr double kBallSlack = 1 + 1e-6;      // for rounding, and for the normals of needles
 constexpr double kSameSheetResidual = 1e-3;  // in parts of the side: a descent that arrives is exact
-
-double SegmentDistance(const Vec3& p, const Vec3& a, const Vec3& b) {
-  const Vec3 d = b - a;
-  const double n = SquaredNorm(d);
-  const double t = n > 0 ? std::clamp(Dot(p - a, d) / n, 0.0, 1.0) : 0.0;
-  return Distance(p, a + t * d);
-}
 
 // Strictly inside the triangle when seen along its normal `m` (any length).
 bool ProjectsInside(const Vec3& p, const Vec3& m, const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -177,8 +171,8 @@ Verdict Proposer::CheckFree(FrontEdgeId edge, const SourcePoint& apex, double st
         Crosses(side_b, b.source, apex, 1, near.edge))
       return Verdict::kCrossesFence;
     if (fence.from == at_a || fence.from == at_b || Dot(fence.normal, normal) < kOtherSheetCosine) continue;
-    if (SegmentDistance(fence.start, a.position, apex.position) < clearance ||
-        SegmentDistance(fence.start, b.position, apex.position) < clearance) {
+    if (DistanceToSegment(fence.start, a.position, apex.position) < clearance ||
+        DistanceToSegment(fence.start, b.position, apex.position) < clearance) {
       return Verdict::kTooClose;
     }
   }
@@ -342,9 +336,10 @@ Verdict Proposer::CheckFences(const Candidate& c, const Strictness& s) {
     if (off <= height && ProjectsInside(f.start, c.normal, c.b->position, c.a->position, c.c->position)) {
       return Verdict::kContainsVertex;
     }
-    if (!c.zip_before && SegmentDistance(f.start, c.a->position, c.c->position) < clearance_a)
+    if (!c.zip_before && DistanceToSegment(f.start, c.a->position, c.c->position) < clearance_a)
       return Verdict::kTooClose;
-    if (!c.zip_after && SegmentDistance(f.start, c.b->position, c.c->position) < clearance_b) return Verdict::kTooClose;
+    if (!c.zip_after && DistanceToSegment(f.start, c.b->position, c.c->position) < clearance_b)
+      return Verdict::kTooClose;
   }
   return Verdict::kAccepted;
 }

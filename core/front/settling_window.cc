@@ -16,6 +16,7 @@
 #include <limits>
 
 #include "core/front/audit.h"
+#include "core/geometry/intersection.h"
 #include "core/geometry/triangle.h"
 
 namespace meshfront {
@@ -425,7 +426,7 @@ void SettlingWindow::Polish(const Context& context, bool begins_with_flips) {
   for (int sweep = 0; sweep < kFitSweeps && options_.fit && !stopped(); ++sweep) FitSweep();
 }
 
-std::vector<WindowTriangleId> SettlingWindow::Improve(const Context& context) {
+std::vector<Fault> SettlingWindow::Improve(const Context& context) {
   MeasureDepth();
   ChooseVertices();
   Polish(context, true);
@@ -531,8 +532,17 @@ void SettlingWindow::FindSlivers() {
   }
 }
 
-std::vector<WindowTriangleId> SettlingWindow::Audit() {
-  std::vector<WindowTriangleId> faulty;
+Vec3 SettlingWindow::WhereTheyMeet(WindowTriangleId s, WindowTriangleId t) const {
+  const auto place = [&](WindowTriangleId id, int corner) {
+    return fronts_.at(fronts_.at(id).corners[corner]).position;
+  };
+  const Vec3 a[3] = {place(s, 0), place(s, 1), place(s, 2)}, b[3] = {place(t, 0), place(t, 1), place(t, 2)};
+  const auto stretch = CommonStretch(a, b);
+  return stretch ? 0.5 * ((*stretch)[0] + (*stretch)[1]) : (a[0] + a[1] + a[2]) / 3.0;
+}
+
+std::vector<Fault> SettlingWindow::Audit() {
+  std::vector<Fault> faults;
   const auto leaves = [this](WindowTriangleId t) { return Leaves(t); };
   auto pairs = FindIntersections(fronts_, leaves);
   for (int attempt = 0; attempt < 2 && !pairs.empty() && options_.fit; ++attempt) {  // first without the fit's moves
@@ -549,10 +559,11 @@ std::vector<WindowTriangleId> SettlingWindow::Audit() {
   }
   for (const auto& [s, t] : pairs) {
     if (fronts_.at(s).audit != AuditMark::kNone || fronts_.at(t).audit != AuditMark::kNone) continue;
-    faulty.push_back(s);
-    faulty.push_back(t);
+    const Vec3 place = WhereTheyMeet(s, t);
+    faults.push_back({s, place});
+    faults.push_back({t, place});
   }
-  return faulty;
+  return faults;
 }
 
 // The vertex's id in the output; a new one, and the vertex to `vertices`, unless it is a joint that was sent from another patch.

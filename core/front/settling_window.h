@@ -36,6 +36,12 @@ struct SettledCounts {
   QualityAccumulator quality;
 };
 
+// A triangle that meets another one, and where.
+struct Fault {
+  WindowTriangleId triangle;
+  Vec3 place;
+};
+
 // Called by: the advancing front, between working areas. Moves only vertices and edges that lie a few rings behind every front,
 // so that the front never notices.
 class SettlingWindow {
@@ -48,8 +54,8 @@ class SettlingWindow {
         refinement_(surface, fronts, options.max_error, options.min_edge, kMoveDepth) {}
 
   // Improves what has come to lie kMoveDepth rings or more behind the fronts since the last time, and audits what is to leave.
-  // Returns the triangles of pairs that intersect, so that the front can take them back; none of their vertices is frozen.
-  std::vector<WindowTriangleId> Improve(const Context& context);
+  // Returns both triangles of each pair that intersects, so that the front can take them back; none of their vertices is frozen.
+  std::vector<Fault> Improve(const Context& context);
   // The triangles about to leave that are slivers still, and were not accepted; found by the last Improve.
   const std::vector<WindowTriangleId>& slivers() const { return slivers_; }
   // Sends what is kEmitDepth rings or more behind the fronts (`everything`: all) to the sink. The sink's status when it stops the job.
@@ -95,7 +101,8 @@ class SettlingWindow {
   bool TryMove(WindowVertexId v, const Vec3& target, Measure measure, double& worst);
   double SineOf(WindowTriangleId t) const;
   void NoteChange(WindowTriangleId t);
-  std::vector<WindowTriangleId> Audit();
+  std::vector<Fault> Audit();
+  Vec3 WhereTheyMeet(WindowTriangleId s, WindowTriangleId t) const;
   bool Leaves(WindowTriangleId t) const;
   VertexId NameOf(const WindowVertex& v, std::vector<OutputVertex>& vertices);
   void KeepMaxError(const Context& context);

@@ -160,4 +160,32 @@ bool SegmentMeetsTriangle(const Vec3& p, const Vec3& q, const Vec3 (&triangle)[3
   return SideMeets(p, q, plane.SideOf(p), plane.SideOf(q), triangle) && ProjectionAxis(triangle) >= 0;
 }
 
+// The ends are places where a side of one passes through the other.
+std::optional<std::array<Vec3, 2>> CommonStretch(const Vec3 (&a)[3], const Vec3 (&b)[3]) {
+  std::array<Vec3, 6> places;
+  size_t count = 0;
+  const auto collect = [&](const Vec3(&sides)[3], const Vec3(&through)[3]) {
+    const Vec3 normal = Cross(through[1] - through[0], through[2] - through[0]);
+    for (int i = 0; i < 3; ++i) {
+      const Vec3 &p = sides[i], &q = sides[(i + 1) % 3];
+      const double from = Dot(normal, p - through[0]), to = Dot(normal, q - through[0]);
+      if ((from > 0) == (to > 0)) continue;
+      const Vec3 x = p + from / (from - to) * (q - p);
+      bool is_inside = true;
+      for (int k = 0; k < 3; ++k)
+        is_inside = is_inside && Dot(normal, Cross(through[(k + 1) % 3] - through[k], x - through[k])) >= 0;
+      if (is_inside) places[count++] = x;
+    }
+  };
+  collect(a, b), collect(b, a);
+  if (count < 2) return std::nullopt;
+  std::array<Vec3, 2> ends = {places[0], places[0]};
+  for (size_t i = 0; i < count; ++i) {
+    for (size_t j = 0; j < i; ++j) {
+      if (SquaredDistance(places[i], places[j]) > SquaredDistance(ends[0], ends[1])) ends = {places[j], places[i]};
+    }
+  }
+  return ends;
+}
+
 }  // namespace meshfront

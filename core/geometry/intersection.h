@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "core/base/ids.h"
 #include "core/geometry/vec3.h"
@@ -21,6 +22,10 @@ SharedCorners SharedCornersOf(const std::array<VertexId, 3>& a, const std::array
 // intersect anything. Coordinates as for Orient3d. 5 ns when the boxes are apart, 20 ns when one lies on one side of
 // the other's plane.
 bool TrianglesIntersect(const Vec3 (&a)[3], const Vec3 (&b)[3], const SharedCorners& shared = {});
+
+// Where two triangles that intersect do so, rounded: the ends of the stretch that they have in common. Nothing where they lie in one
+// plane, or only touch.
+std::optional<std::array<Vec3, 2>> CommonStretch(const Vec3 (&a)[3], const Vec3 (&b)[3]);
 
 // Whether the closed segment pq and the closed triangle have a point in common; a triangle without area has none.
 bool SegmentMeetsTriangle(const Vec3& p, const Vec3& q, const Vec3 (&triangle)[3]);

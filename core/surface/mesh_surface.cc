@@ -6,7 +6,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status_macros.h"
-#include "core/geometry/intersection.h"
 #include "core/geometry/triangle.h"
 #include "core/mesh/union_find.h"
 #include "core/surface/apex_search.h"
@@ -202,27 +201,8 @@ bool MeshSurface::FindFarPlaces(const SourcePoint& start, const std::array<Vec3,
 }
 
 bool MeshSurface::MeetsItselfNear(const Vec3& place, double radius) const {
-  std::call_once(tree_once_, [this] { tree_ = std::make_unique<TriangleBvh>(mesh_.positions, mesh_.triangles); });
-  std::vector<FaceId> near;
-  const Vec3 reach{radius, radius, radius};
-  tree_->VisitOverlaps({place - reach, place + reach}, [&](FaceId f) {
-    near.push_back(f);
-    return near.size() < kMaxFacesNearAPlace;
-  });
-  const auto corner = [this](FaceId f, int i) { return mesh_.PositionAt(mesh_.triangles[f.index()][i]); };
-  const auto whole = [this](FaceId f) {
-    const Triangle& t = mesh_.triangles[f.index()];
-    return Triangle{VertexId(OriginalOf(t[0])), VertexId(OriginalOf(t[1])), VertexId(OriginalOf(t[2]))};
-  };
-  for (size_t i = 0; i < near.size(); ++i) {
-    const Vec3 a[3] = {corner(near[i], 0), corner(near[i], 1), corner(near[i], 2)};
-    for (size_t j = 0; j < i; ++j) {
-      const Vec3 b[3] = {corner(near[j], 0), corner(near[j], 1), corner(near[j], 2)};
-      const SharedCorners shared = SharedCornersOf(whole(near[i]), whole(near[j]));
-      if (TrianglesIntersect(a, b, shared)) return true;
-    }
-  }
-  return false;
+  std::call_once(meetings_once_, [this] { meetings_ = std::make_unique<SelfMeetings>(mesh_); });
+  return meetings_->IsAnyWithin(place, radius);
 }
 
 bool MeshSurface::IsOnBoundary(const SourcePoint& p) const {

@@ -14,10 +14,10 @@
 #include "absl/types/span.h"
 #include "core/base/context.h"
 #include "core/base/ids.h"
-#include "core/geometry/bvh.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/triangle_mesh.h"
 #include "core/surface/mesh_walk.h"
+#include "core/surface/self_meetings.h"
 #include "core/surface/surface.h"
 
 namespace meshfront {
@@ -115,7 +115,7 @@ class MeshSurface final : public Surface {
   // About 0.1 µs a face over the triangle.
   bool FindFarPlaces(const SourcePoint& start, const std::array<Vec3, 3>& triangle, double bound, double beside,
                      std::vector<FarPlace>& far) const override;
-  // Builds a tree over the faces at the first call; then O(faces near the place, squared).
+  // Finds all places where it does at the first call, as long as the index takes; then fast.
   bool MeetsItselfNear(const Vec3& place, double radius) const override;
 
  private:
@@ -135,8 +135,8 @@ class MeshSurface final : public Surface {
   std::vector<bool> component_has_boundary_;
   std::vector<double> component_diagonals_, whole_diagonals_;  // the latter empty when nothing was cut
   bool has_curvature_ = false;
-  mutable std::once_flag tree_once_;
-  mutable std::unique_ptr<TriangleBvh> tree_;
+  mutable std::once_flag meetings_once_;
+  mutable std::unique_ptr<SelfMeetings> meetings_;
 };
 
 }  // namespace meshfront

@@ -222,6 +222,22 @@ def distance_to_segment(p, a, b):
     return math.dist(p, between(a, b, min(1.0, max(0.0, t))))
 
 
+def distance_to_triangle(p, a, b, c):
+    def from_to(u, v):
+        return [y - x for x, y in zip(u, v)]
+
+    def cross(u, v):
+        return [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+
+    def dot(u, v):
+        return sum(x * y for x, y in zip(u, v))
+    normal = cross(from_to(a, b), from_to(a, c))
+    length2 = dot(normal, normal)
+    if length2 > 0 and all(dot(normal, cross(from_to(u, v), from_to(u, p))) >= 0 for u, v in ((a, b), (b, c), (c, a))):
+        return abs(dot(normal, from_to(a, p))) / math.sqrt(length2)
+    return min(distance_to_segment(p, u, v) for u, v in ((a, b), (b, c), (c, a)))
+
+
 class NearestMeeting:
     """How far it is to the next place where a mesh meets itself; looks only at the faces within reach of a point."""
 
@@ -231,14 +247,19 @@ class NearestMeeting:
     def distance(self, point):
         """Infinite where there is none within reach."""
         near = self.grid.touching(box_of([point], self.reach))
-        segments = (segment for i in near for segment in self.segments_of(i))
-        least = min((distance_to_segment(point, a, b) for a, b in segments), default=math.inf)
+        least = min((distance_to_triangle(point, *part) for i in near for part in self.parts_of(i)), default=math.inf)
         return least if least <= self.reach else math.inf
 
-    def segments_of(self, i):
-        """Where face i meets another one; two faces in one plane meet in all that lies between the points."""
+    def parts_of(self, i):
+        """Where face i meets another one, as triangles, perhaps flat: two faces in one plane meet in all that lies between the points."""
         if i not in self.known:
-            meet = (meeting(self.mesh.points, self.mesh.faces[i], self.mesh.faces[j])
-                    for j in self.grid.touching(self.grid.boxes[i]) if j != i)
-            self.known[i] = [pair for points in meet for pair in itertools.combinations_with_replacement(points, 2)]
+            meet = (self.ends_of(i, j) for j in self.grid.touching(self.grid.boxes[i]) if j != i)
+            self.known[i] = [part for ends in meet if ends
+                             for part in itertools.combinations(ends + ends[:1] * max(0, 3 - len(ends)), 3)]
         return self.known[i]
+
+    def ends_of(self, i, j):
+        """Of what two faces that meet have in common: it reaches to the vertices that they share."""
+        points, face, other = self.mesh.points, self.mesh.faces[i], self.mesh.faces[j]
+        ends = meeting(points, face, other)
+        return ends and list(dict.fromkeys([*ends, *(points[v] for v in face if v in other)]))

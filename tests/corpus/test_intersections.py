@@ -47,6 +47,18 @@ class Intersections(unittest.TestCase):
         self.assertAlmostEqual(1.0, near.distance((1, 0.5, 1)))
         self.assertEqual(float("inf"), near.distance((4, 0, 0)))
 
+    def test_neighbours_at_one_vertex_meet_from_there_on(self):
+        blade = [FLOOR[0], (3, 1, 1), (3, 1, -1)]  # through the floor from its corner at the origin
+        near = at.NearestMeeting(mesh(FLOOR, blade), reach=2.0)
+        for x in (0.0, 1.0, 2.0):
+            self.assertAlmostEqual(0.5, near.distance((x, x / 3, 0.5)))
+
+    def test_faces_in_one_plane_meet_in_all_that_they_share(self):
+        near = at.NearestMeeting(mesh(FLOOR, [(-1, -1, 0), (8, -1, 0), (-1, 8, 0)]), reach=2.0)
+        for x, y in ((0.5, 0.5), (1.3, 1.2), (3, 0.5), (0, 0)):
+            self.assertAlmostEqual(0.25, near.distance((x, y, 0.25)))
+        self.assertAlmostEqual(1.0, near.distance((1, -1, 0)))
+
     def test_a_written_mesh_is_read_and_its_equal_positions_are_one(self):
         header = ("ply\nformat binary_little_endian 1.0\ncomment Meshfront\nelement vertex 4\nproperty double x\nproperty double y\n"
                   "property double z\nelement face 1\nproperty list uchar uint vertex_indices\nend_header\n")

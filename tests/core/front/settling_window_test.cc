@@ -205,7 +205,7 @@ TEST(SettlingWindow, ReportsThePlaceOfAnIntersectionThatWasGivenUp) {
   Pierced pierced;
   CheckingSink sink;
   SettlingWindow window(plane, pierced.fronts, {.flips = false, .smooth = false, .fit = false}, sink);
-  window.GiveUp(window.Improve({})[0]);
+  window.GiveUp(window.Improve({})[0].triangle);
   EXPECT_THAT(window.Improve({}), IsEmpty());
   ASSERT_THAT(window.Emit(true), IsOk());
   EXPECT_THAT(window.faults(), SizeIs(1));

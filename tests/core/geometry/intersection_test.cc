@@ -143,6 +143,20 @@ TEST(TrianglesIntersect, TouchingCountsAndOneUlpApartDoesNot) {
   EXPECT_FALSE(TrianglesIntersect(a, above));
 }
 
+TEST(CommonStretch, RunsFromSideToSide) {
+  const Vec3 floor[3] = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
+  const Vec3 blade[3] = {{1, 1, -1}, {1, 1, 1}, {1, -3, 1}};  // through the floor from y = 1 to its side at y = 0
+  for (const auto& stretch : {CommonStretch(floor, blade), CommonStretch(blade, floor)}) {
+    ASSERT_TRUE(stretch);
+    const auto& [low, high] = (*stretch)[0].y < (*stretch)[1].y ? *stretch : std::array{(*stretch)[1], (*stretch)[0]};
+    EXPECT_NEAR(Distance(low, {1, 0, 0}), 0, 1e-12);
+    EXPECT_NEAR(Distance(high, {1, 1, 0}), 0, 1e-12);
+  }
+  const Vec3 beside[3] = {{5, 5, -1}, {5, 5, 1}, {6, 5, 1}}, in_plane[3] = {{1, 1, 0}, {2, 1, 0}, {1, 2, 0}};
+  EXPECT_FALSE(CommonStretch(floor, beside));
+  EXPECT_FALSE(CommonStretch(floor, in_plane));
+}
+
 TEST(SegmentMeetsTriangle, CrossesTouchesAndLiesInThePlane) {
   const Vec3 t[3] = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
   EXPECT_TRUE(SegmentMeetsTriangle({1, 1, -1}, {1, 1, 1}, t));

@@ -223,6 +223,29 @@ TEST(CreasedSurface, DoesNotMeetItselfAlongItsCreases) {
   EXPECT_TRUE(crossed->MeetsItselfNear({1, -0.3, 0.4}, 0.4)) << "where another box passes through";
 }
 
+// Two large faces that cross: only near the stretch along which they do.
+TEST(MeetsItselfNear, IsSaidOfTheStretchNotOfTheFaces) {
+  TriangleMesh mesh;
+  mesh.positions = {{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}, {0, 0, -1}, {0, 1, 1}, {0, -1, 1}};
+  mesh.triangles = {{VertexId(0), VertexId(1), VertexId(2)}, {VertexId(3), VertexId(4), VertexId(5)}};
+  const auto surface = MeshSurface::Create(mesh, Context{});
+  ASSERT_THAT(surface, IsOk());
+  EXPECT_TRUE((*surface)->MeetsItselfNear({0.1, 0.2, 0}, 0.2));
+  EXPECT_TRUE((*surface)->MeetsItselfNear({0, 0, 0.9}, 0.95));
+  EXPECT_FALSE((*surface)->MeetsItselfNear({0.3, 0.2, 0}, 0.2)) << "in the box around both, beside the stretch";
+  EXPECT_FALSE((*surface)->MeetsItselfNear({0, 0, 0.9}, 0.8));
+}
+
+// Vertices at one place that are not joined: the fans touch there as they did before they were parted.
+TEST(MeetsItselfNear, IsNotSaidOfFansThatWereParted) {
+  TriangleMesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {-1, 0, 0.5}, {0, -1, 0.5}};
+  mesh.triangles = {{VertexId(0), VertexId(1), VertexId(2)}, {VertexId(3), VertexId(4), VertexId(5)}};
+  const auto surface = MeshSurface::Create(mesh, Context{});
+  ASSERT_THAT(surface, IsOk());
+  EXPECT_FALSE((*surface)->MeetsItselfNear({0, 0, 0}, 0.5));
+}
+
 // The distances that the samples at the vertices carry, with the same ideal length everywhere.
 std::vector<double> SheetDistances(const MeshSurface& surface, double length) {
   auto distances = surface.SheetDistances([&](double) { return length; }, Context{});

@@ -1,0 +1,72 @@
+// Rims and creases whose edges are too long for what lies close by: they are divided before the front starts, so that the whole is
+// made again with shorter ones.
+#include <tuple>
+#include <vector>
+
+#include "core/remesh.h"
+#include "tests/support/checking_sink.h"
+#include "tests/support/matchers.h"
+#include "tests/support/shapes.h"
+
+namespace meshfront::testing {
+namespace {
+
+using ::testing::Combine;
+using ::testing::IsEmpty;
+using ::testing::Values;
+
+// A tube around a rod that is longer, `gap` apart: an edge along the tube's rim that subtends the angle rho would pass through the rod.
+TriangleMesh RodInTube(double gap) { return Joined(OpenCylinder(1, 2, 96, 24), CappedCylinder(1 - gap, 3, 96, 32)); }
+
+class TightFit : public ::testing::TestWithParam<std::tuple<double, double>> {};  // gap, rho
+
+TEST_P(TightFit, ComesOutWhole) {
+  const auto [gap, rho] = GetParam();
+  Problem problem{RodInTube(gap), {}};
+  problem.options.rho = rho;
+  CheckingSink sink;
+  const absl::StatusOr<Report> report = Remesh(std::move(problem), sink, Context{});
+  ASSERT_THAT(report, IsOk());
+  sink.CheckEnd();
+  EXPECT_THAT(sink.complaints(), IsEmpty());
+  EXPECT_TRUE(report->complete);
+  EXPECT_THAT(report->warnings, IsEmpty());
+  EXPECT_THAT(sink.mesh(), IsManifold());
+  EXPECT_THAT(sink.mesh(), HasComponents(2u));
+  EXPECT_THAT(sink.mesh(), HasBoundaryLoops(2u));
+  EXPECT_THAT(sink.mesh(), HasNoSelfIntersection());
+  EXPECT_EQ(report->output.triangles, sink.mesh().triangles.size()) << "of the attempt that was kept";
+  EXPECT_LT(sink.mesh().triangles.size(), 3000u) << "finer where it must be only";
+}
+
+INSTANTIATE_TEST_SUITE_P(Gaps, TightFit, Combine(Values(0.05, 0.03, 0.01), Values(1.0, 1.5)));
+
+TEST(Attempts, AreTheSameBitsAtAnyThreadCount) {
+  std::vector<std::vector<Vec3>> positions;
+  for (const int threads : {1, 3}) {
+    Problem problem{RodInTube(0.02), {}};
+    problem.options.rho = 1.5;
+    Context context;
+    context.threads = threads;
+    CollectingSink sink;
+    ASSERT_THAT(Remesh(std::move(problem), sink, context), IsOk());
+    positions.push_back(sink.mesh.positions);
+  }
+  EXPECT_EQ(positions[0], positions[1]);
+}
+
+// The shortest edge that was asked for is kept; what can't be mended then is reported.
+TEST(Attempts, KeepTheShortestEdgeThatIsAllowed) {
+  Problem problem{RodInTube(0.01), {}};
+  problem.options.rho = 1.5;
+  problem.options.min_edge = Length{1.0, false};
+  CollectingSink sink;
+  const absl::StatusOr<Report> report = Remesh(std::move(problem), sink, Context{});
+  ASSERT_THAT(report, IsOk());
+  EXPECT_FALSE(report->complete);
+  EXPECT_FALSE(report->open_places.empty());
+  EXPECT_LT(sink.mesh.triangles.size(), 600u);
+}
+
+}  // namespace
+}  // namespace meshfront::testing
