@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status_macros.h"
@@ -118,25 +119,29 @@ void SetParameter(double parameter, const Preparation& p, RemeshOptions& options
   if (options.sizing == Sizing::kUniform) options.edge_length = Length{parameter / p.scale, false};
 }
 
+// The field at the parameter that is in force, or for a number of triangles.
+absl::Status SetField(const std::optional<uint64_t>& count, Preparation& p, const Context& context) {
+  absl::StatusOr<SizedField> sized =
+      count ? p.builder->BuildForCount(*count, context) : p.builder->Build(p.parameter, context);
+  if (!sized.ok()) return sized.status();
+  p.parameter = sized->parameter;
+  p.predicted_triangles = sized->predicted_triangles;
+  p.parameters.clamped_samples = sized->clamped_samples;
+  p.parameters.detail = sized->detail / p.scale;
+  SetParameter(p.parameter, p, p.parameters.options);
+  p.field = std::move(sized->field);
+  return absl::OkStatus();
+}
+
 absl::Status MakeField(Preparation& p, const Context& context) {
   RemeshOptions& options = p.parameters.options;
   const SizingLimits limits{options.sizing, options.eta, p.parameters.min_edge, p.parameters.max_edge,
                             options.max_edge.has_value()};
   p.builder = std::make_unique<FieldBuilder>(*p.surface, limits);
-  FieldBuilder& builder = *p.builder;
-  absl::StatusOr<SizedField> sized = options.target_triangles
-                                         ? builder.BuildForCount(*options.target_triangles, context)
-                                         : builder.Build(ParameterOf(options, p), context);
-  if (!sized.ok()) return sized.status();
-  p.parameter = sized->parameter;
-  p.predicted_triangles = sized->predicted_triangles;
-  p.parameters.clamped_samples = sized->clamped_samples;
-  p.parameters.target_triangles = options.target_triangles.value_or(0);
-  p.parameters.detail = sized->detail / p.scale;
-  options.target_triangles.reset();
-  SetParameter(p.parameter, p, options);
-  p.field = std::move(sized->field);
-  return absl::OkStatus();
+  const std::optional<uint64_t> count = std::exchange(options.target_triangles, std::nullopt);
+  p.parameters.target_triangles = count.value_or(0);
+  if (!count) p.parameter = ParameterOf(options, p);
+  return SetField(count, p, context);
 }
 
 }  // namespace
@@ -191,11 +196,11 @@ absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {
   return p;
 }
 
-absl::Status PrepareFiner(absl::Span<const Vec3> places, Preparation& p, const Context& context) {
-  for (const Vec3& place : places)
+absl::Status PrepareAgain(absl::Span<const Vec3> finer_at, std::optional<uint64_t> count, Preparation& p,
+                          const Context& context) {
+  for (const Vec3& place : finer_at)
     p.builder->AddSample({place, kFinerPerGuidance * p.parameters.options.eta * p.field->At(place)});
-  MESHFRONT_ASSIGN_OR_RETURN(SizedField sized, p.builder->Build(p.parameter, context));
-  p.field = std::move(sized.field);
+  MESHFRONT_RETURN_IF_ERROR(SetField(count, p, context));
   MESHFRONT_ASSIGN_OR_RETURN(p.loops, BoundaryLoops(*p.surface, *p.field, context));
   return absl::OkStatus();
 }

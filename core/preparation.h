@@ -36,7 +36,9 @@ double ErrorBoundInForce(const Preparation& preparation, double length, double m
 // The stages up to the first triangle. Same errors as Remesh.
 absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context);
 
-// Field and initial fronts again, with edges half as long at these places and, as eta has it, around them.
-absl::Status PrepareFiner(absl::Span<const Vec3> places, Preparation& preparation, const Context& context);
+// Field and initial fronts again: with edges half as long at some places and, as eta has it, around them; and for a predicted number
+// of triangles, where one is given. The errors of Remesh.
+absl::Status PrepareAgain(absl::Span<const Vec3> finer_at, std::optional<uint64_t> count, Preparation& preparation,
+                          const Context& context);
 
 }  // namespace meshfront

@@ -38,6 +38,7 @@ constexpr double kInsertionsForCount = 0.005, kMostInsertionsForCount = 0.0185;
 // held back, for the whole to be made again with shorter edges where it came out wrong.
 constexpr uint64_t kHeldTriangles = 1 << 18;
 constexpr int kMaxAttempts = 4;
+constexpr double kCountTolerance = 0.03;   // of the number of triangles wanted
 constexpr size_t kMaxListedPairs = 20000;  // of an output's intersections, that are looked at
 
 double SecondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -125,6 +126,8 @@ TopologyReport OutputTopology(const FrontReport& front) {
 struct Attempt {
   FrontReport front;
   std::vector<HeldPiece> pieces;
+  ParametersInForce parameters;
+  double parameter = 0;             // the sizing's, as in Preparation
   std::vector<Vec3> intersections;  // where it meets itself though the surface does not within the error bound
 
   size_t faults() const { return front.open_places.size() + intersections.size(); }
@@ -155,15 +158,47 @@ absl::Status FindIntersections(const Preparation& p, const FrontOptions& options
   return absl::OkStatus();
 }
 
-// The front, again with shorter edges around its faults while it has any and nothing of it went on; the best of the attempts.
-absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& p, const FrontOptions& options, MeshSink& sink,
-                                          const Context& context) {
+FrontOptions FrontOptionsOf(const Preparation& p) {
+  const RemeshOptions& o = p.parameters.options;
+  const auto predicted = static_cast<uint64_t>(std::min(p.predicted_triangles, 1e18));
+  return {.flips = o.flips,
+          .smooth = o.smooth,
+          .fit = o.fit,
+          .error_per_length = o.sizing == Sizing::kAngle ? ErrorPerLength(o.rho) : 1,
+          .predicted_triangles = predicted,
+          .max_triangles = kMaxPerPredicted * predicted + kMaxBeyondPredicted,
+          .sweep = LongestAxis(p.surface->mesh()),
+          .max_error = o.sizing == Sizing::kError ? p.parameter : std::numeric_limits<double>::infinity(),
+          .insertions = p.parameters.target_triangles > 0
+                            ? InsertionLimits{kInsertionsForCount, kMostInsertionsForCount * p.predicted_triangles}
+                            : InsertionLimits{}};
+}
+
+// By how much of what is wanted the number of triangles is off; 0 where none is wanted.
+double CountErrorOf(const Attempt& attempt, uint64_t wanted) {
+  if (wanted == 0) return 0;
+  return std::abs(static_cast<double>(attempt.front.triangles) / static_cast<double>(wanted) - 1);
+}
+
+bool IsBetter(const Attempt& attempt, const Attempt& best, uint64_t wanted) {
+  if (attempt.faults() != best.faults()) return attempt.faults() < best.faults();
+  return CountErrorOf(attempt, wanted) < CountErrorOf(best, wanted);
+}
+
+// The front; and, while nothing of it went on, again: with shorter edges around its faults, and for as many more or fewer triangles as
+// came too few or too many. The best of the attempts.
+absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& p, MeshSink& sink, const Context& context) {
   HoldingSink held(sink, p.loops.empty() ? 0 : kHeldTriangles);
+  const uint64_t wanted = p.parameters.target_triangles;
+  double aim = static_cast<double>(wanted);
   Attempt best;
   for (int number = 1;; ++number) {
+    const FrontOptions options = FrontOptionsOf(p);
     Attempt attempt;
     MESHFRONT_ASSIGN_OR_RETURN(attempt.front,
                                AdvanceFront(*p.surface, *p.field, p.loops, p.seeds, options, held, context));
+    attempt.parameters = p.parameters;
+    attempt.parameter = p.parameter;
     attempt.intersections = attempt.front.spread_intersections;
     if (held.is_passing()) return attempt;
     attempt.pieces = held.Take();
@@ -171,9 +206,14 @@ absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& p, const FrontOptions& op
     if (p.builder->HasCloseSheets()) MESHFRONT_RETURN_IF_ERROR(FindIntersections(p, options, attempt, context));
     std::vector<Vec3> places = attempt.front.open_places;
     places.insert(places.end(), attempt.intersections.begin(), attempt.intersections.end());
-    if (number == 1 || attempt.faults() < best.faults()) best = std::move(attempt);
-    if (places.empty() || number == kMaxAttempts) break;
-    MESHFRONT_RETURN_IF_ERROR(PrepareFiner(places, p, context));
+    const bool is_off = CountErrorOf(attempt, wanted) > kCountTolerance && attempt.front.triangles > 0;
+    if (is_off) aim *= static_cast<double>(wanted) / static_cast<double>(attempt.front.triangles);
+    if (number == 1 || IsBetter(attempt, best, wanted)) best = std::move(attempt);
+    if ((places.empty() && !is_off) || number == kMaxAttempts) break;
+    const auto count = is_off ? std::optional(static_cast<uint64_t>(std::llround(aim))) : std::nullopt;
+    const absl::Status prepared = PrepareAgain(places, count, p, context);
+    if (absl::IsInvalidArgument(prepared)) break;  // so few, or so many, can't be made
+    MESHFRONT_RETURN_IF_ERROR(prepared);
   }
   held.PutBack(std::exchange(best.pieces, {}));
   MESHFRONT_RETURN_IF_ERROR(held.Release());
@@ -248,28 +288,16 @@ absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& co
   MESHFRONT_ASSIGN_OR_RETURN(Preparation p, Prepare(std::move(problem), context));
   const double prepared = SecondsSince(start);
   OutgoingSink outgoing(sink, p.scale, start);
-  const RemeshOptions& o = p.parameters.options;
-  const double error_per_length = o.sizing == Sizing::kAngle ? ErrorPerLength(o.rho) : 1;
   const auto predicted = static_cast<uint64_t>(std::min(p.predicted_triangles, 1e18));
-  const FrontOptions options{
-      .flips = o.flips,
-      .smooth = o.smooth,
-      .fit = o.fit,
-      .error_per_length = error_per_length,
-      .predicted_triangles = predicted,
-      .max_triangles = kMaxPerPredicted * predicted + kMaxBeyondPredicted,
-      .sweep = LongestAxis(p.surface->mesh()),
-      .max_error = o.sizing == Sizing::kError ? p.parameter : std::numeric_limits<double>::infinity(),
-      .insertions = p.parameters.target_triangles > 0
-                        ? InsertionLimits{kInsertionsForCount, kMostInsertionsForCount * p.predicted_triangles}
-                        : InsertionLimits{}};
-  MESHFRONT_ASSIGN_OR_RETURN(const Attempt attempt, AdvanceInAttempts(p, options, outgoing, context));
+  MESHFRONT_ASSIGN_OR_RETURN(const Attempt attempt, AdvanceInAttempts(p, outgoing, context));
+  p.parameters = attempt.parameters;
+  p.parameter = attempt.parameter;
   const FrontReport& front = attempt.front;
   if (front.triangles == 0) return NothingMeshed(front, p.scale);
   Report report;
   report.input = p.input;
   report.parameters = p.parameters;
-  report.predicted_triangles = options.predicted_triangles;
+  report.predicted_triangles = predicted;
   const auto curvatures = p.surface->vertex_curvatures();
   const double peak = curvatures.empty() ? 0 : *std::max_element(curvatures.begin(), curvatures.end());
   report.error_bound = ErrorBoundInForce(p, front.longest_edge, peak);
