@@ -21,7 +21,12 @@ Mesh = collections.namedtuple("Mesh", "points faces")
 
 
 def read_ply(path):
-    """A binary little-endian PLY of coordinates and triangles alone, as meshfront writes it; equal positions welded."""
+    """As read_parts, equal positions welded."""
+    return welded(*read_parts(path))
+
+
+def read_parts(path):
+    """(points, faces) of a binary little-endian PLY of coordinates and triangles alone, as meshfront writes it."""
     data = path.read_bytes()
     end = data.index(b"end_header\n") + len(b"end_header\n")
     header = data[:end].decode("ascii").splitlines()
@@ -40,7 +45,7 @@ def read_ply(path):
         if data[at] != 3:
             raise ValueError(f"{path.name} has a face of {data[at]} corners")
         corners.frombytes(data[at + 1:at + 13])
-    return welded(points, list(zip(corners[0::3], corners[1::3], corners[2::3])))
+    return points, list(zip(corners[0::3], corners[1::3], corners[2::3]))
 
 
 def welded(points, faces):
