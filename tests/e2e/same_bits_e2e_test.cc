@@ -1,0 +1,112 @@
+// The same mesh, bit for bit, in this process and over a socket, in chunks of any size, at any thread count, whatever the processor.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "core/io/mesh_io.h"
+#include "core/remesh.h"
+#include "tests/e2e/server_process.h"
+#include "tests/support/shapes.h"
+
+namespace meshfront {
+namespace {
+
+constexpr double kRho = 0.3;
+
+// A smooth closed shape, and one with creases, corners and a hole: both large enough for many small chunks.
+std::vector<TriangleMesh> Shapes() { return {testing::GenusThree(48), testing::PlateWithRoundHole(16, 0.4)}; }
+
+TriangleMesh RemeshedHere(const TriangleMesh& shape) {
+  RemeshOptions options;
+  options.rho = kRho;
+  CollectingSink sink;
+  Context context;
+  context.threads = 1;
+  const auto report = Remesh({shape, options}, sink, context);
+  EXPECT_TRUE(report.ok()) << report.status();
+  return sink.mesh;
+}
+
+// `chunk_bytes`: 0 for the default.
+Outcome RemeshedBy(const ServerProcess& server, const TriangleMesh& shape, uint32_t chunk_bytes) {
+  v1::Header header = HeaderOf(shape);
+  header.mutable_options()->set_rho(kRho);
+  header.mutable_output()->set_scalar_type(v1::SCALAR_TYPE_FLOAT64);
+  if (chunk_bytes > 0) header.mutable_output()->set_chunk_bytes(chunk_bytes);
+  grpc::ClientContext context;
+  Outcome outcome = Remesh(*server.NewStub(), context, RequestOf(shape, header));
+  EXPECT_TRUE(outcome.status.ok()) << outcome.status.error_message();
+  EXPECT_FALSE(outcome.damaged);
+  return outcome;
+}
+
+void ExpectSame(const TriangleMesh& a, const TriangleMesh& b) {
+  EXPECT_EQ(a.positions, b.positions);
+  EXPECT_EQ(a.triangles, b.triangles);
+}
+
+TEST(SameBitsOverSocket, InChunksOfAnySize) {
+  const ServerProcess server;
+  uint64_t small = 0, large = 0;
+  for (const TriangleMesh& shape : Shapes()) {
+    const TriangleMesh here = RemeshedHere(shape);
+    ASSERT_GT(here.triangles.size(), 100u);
+    for (const uint32_t chunk_bytes : {16384u, 100'000u, 0u, 1u << 20}) {
+      const Outcome outcome = RemeshedBy(server, shape, chunk_bytes);
+      ExpectSame(outcome.mesh, here);
+      if (chunk_bytes == 16384) small += outcome.chunks;
+      if (chunk_bytes == 1u << 20) large += outcome.chunks;
+    }
+  }
+  EXPECT_GT(small, large) << "the sizes were not taken";
+}
+
+TEST(SameBitsOverSocket, AtAnyThreadCount) {
+  for (const char* threads : {"1", "2", "4"}) {
+    const ServerProcess server({"--threads", threads});
+    for (const TriangleMesh& shape : Shapes()) ExpectSame(RemeshedBy(server, shape, 0).mesh, RemeshedHere(shape));
+  }
+}
+
+// The C library's functions have variants for processors with FMA, which round otherwise.
+TEST(SameBitsOverSocket, WhateverTheCLibraryChoosesForTheProcessor) {
+  const ServerProcess server(
+      {}, {"GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-AVX2_Usable,-FMA,-FMA_Usable,-FMA4,-FMA4_Usable"});
+  for (const TriangleMesh& shape : Shapes()) ExpectSame(RemeshedBy(server, shape, 0).mesh, RemeshedHere(shape));
+}
+
+std::string BytesOf(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// The program writes the same file with the service inside of it and with a server.
+TEST(SameBitsOverSocket, InAFileOfTheProgram) {
+  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "meshfront_same_bits";
+  std::filesystem::create_directories(folder);
+  const ServerProcess server;
+  for (const TriangleMesh& shape : Shapes()) {
+    const std::string in = folder / "in.ply";
+    ASSERT_TRUE(WriteMeshFile(in, shape).ok());
+    std::vector<std::string> files;
+    for (const std::vector<std::string>& flags :
+         {std::vector<std::string>{"--threads", "1"}, {"--threads", "3"}, {"--server", server.address()}}) {
+      const std::string out = folder / "out.ply";
+      std::vector<std::string> command = {MESHFRONT_PROGRAM, "remesh", in, out, "--quiet"};
+      command.insert(command.end(), flags.begin(), flags.end());
+      ASSERT_EQ(ChildProcess(command).Wait(), 0);
+      files.push_back(BytesOf(out));
+      std::filesystem::remove(out);
+    }
+    EXPECT_GT(files[0].size(), 10'000u);
+    EXPECT_THAT(files, ::testing::Each(files[0]));
+  }
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace meshfront
