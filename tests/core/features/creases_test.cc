@@ -138,6 +138,27 @@ TEST(FindCreases, LeaveOutASpeckOfNoiseOnAFineSphere) {
   EXPECT_THAT(CreasesOf(mesh), IsEmpty());
 }
 
+TEST(FindCreases, LeaveOutALargeSpeckOfNoise) {
+  // Patches of a few faces each, that touch: more than 40 faces in all.
+  TriangleMesh mesh = testing::Icosphere(5);
+  const TriangleMesh noisy = testing::WithNoise(mesh, 0.02, 3);
+  for (size_t v = 0; v < mesh.positions.size(); ++v) {
+    if (Distance(mesh.positions[v], {0, 0, 1}) < 0.17) mesh.positions[v] = noisy.positions[v];
+  }
+  const auto sharp = testing::SharpEdges(mesh, CreateAdjacency(mesh));
+  ASSERT_GT(std::count(sharp.begin(), sharp.end(), true), 100);
+  EXPECT_THAT(CreasesOf(mesh), IsEmpty());
+}
+
+TEST(FindCreases, LeaveOutASpikeOnASmallPatch) {
+  // The six patches of 450 faces touch: looked at together they have no patch around them.
+  TriangleMesh cube = testing::Cube(15);
+  for (Vec3& p : cube.positions) {
+    if (Distance(p, {-1.0 / 15, 1.0 / 15, 1}) < 1e-9) p.z += 0.3;
+  }
+  EXPECT_THAT(CreasesOf(cube), SizeIs(12 * 15));
+}
+
 // A plate of 20 × 20 squares, 0.1 wide; one of them holds a smaller square with a pyramid of four faces on it.
 TriangleMesh PlateWithPyramid(double base) {
   TriangleMesh mesh = testing::Sheet(20);
