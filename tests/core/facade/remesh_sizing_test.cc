@@ -277,6 +277,18 @@ TEST(MaxError, NeedsItsSizing) {
 
 // --- The prediction ---------------------------------------------------------------------------------------------------------
 
+// Two shells almost upon each other, with edges of 0.15: what keeps them apart in the input does so in the output.
+TEST(Estimate, AsksForNoMuchShorterEdgesThanTheInputsBetweenCloseSheets) {
+  RemeshOptions options;
+  options.rho = 1.5;
+  const auto estimate = EstimateRemesh({ConcentricShells(3, 0.9999), options}, {});
+  ASSERT_THAT(estimate, IsOk());
+  EXPECT_GT(estimate->edge_min, 0.05);
+  const auto apart = EstimateRemesh({ConcentricShells(3, 0.8), options}, {});
+  ASSERT_THAT(apart, IsOk());
+  EXPECT_GT(apart->edge_min, 1.5 * estimate->edge_min) << "but shorter ones than where the shells are apart";
+}
+
 TEST(Estimate, PredictsTheCountAndTheMedianEdge) {
   for (const ZooShape& shape : SizedShapes()) {
     for (const Sizing sizing : {Sizing::kAngle, Sizing::kError}) {

@@ -394,6 +394,7 @@ class RoughSphere : public SphereSurface {
     if (Distance(a.position, place_) < radius_ && std::max(ra, rb) > finest_) return std::nullopt;
     return SphereSurface::FindApex(a, b, ra, rb);
   }
+  bool Covers(const Vec3& x) const { return Distance(x, place_) < radius_; }
   SourcePoint Snap(const SourcePoint& start, const Vec3& target) const override {
     SourcePoint x = SphereSurface::Snap(start, target);
     // What lies between the corners of a long triangle finds its way to the surface lost, to its other side.
@@ -458,6 +459,40 @@ TEST(AdvanceFront, ReportsAPlaceThatItCouldNotClose) {
   EXPECT_EQ(report->boundary_edges, topology.boundary_edges);
   EXPECT_EQ(report->boundary_loops, topology.boundary_loops);
   EXPECT_EQ(report->pinched_vertices, 0u);
+}
+
+// The same with a second place beside it, where shorter edges help: one loop runs around both. The ladder has to climb there as well,
+// wherever it has come to its end first.
+TEST(AdvanceFront, ClosesWhatItCanOfALoopThatItCannotCloseElsewhere) {
+  constexpr double kLength = 0.06;
+  class TwoPlaces : public SphereSurface {
+   public:
+    explicit TwoPlaces(const Vec3& mendable)
+        : hopeless_({0, 0, -1}, 0.7, 1e-6), mendable_(mendable, 0.25, 0.85 * kLength) {}
+    std::optional<SourcePoint> FindApex(const SourcePoint& a, const SourcePoint& b, double ra,
+                                        double rb) const override {
+      return hopeless_.Covers(a.position) ? hopeless_.FindApex(a, b, ra, rb) : mendable_.FindApex(a, b, ra, rb);
+    }
+    SourcePoint Snap(const SourcePoint& start, const Vec3& target) const override {
+      const SourcePoint x = hopeless_.Snap(start, target);
+      return Dot(x.normal, start.normal) < 0 ? x : mendable_.Snap(start, target);
+    }
+
+   private:
+    RoughSphere hopeless_, mendable_;
+  };
+  for (const double angle : {0.0, 3.0}) {
+    const Vec3 mendable = Normalized(Vec3{0.8 * std::cos(angle), 0.8 * std::sin(angle), -0.6});
+    CheckingSink sink;
+    const auto report = AdvanceFront(TwoPlaces(mendable), Uniform(kLength), {}, {SphereSurface().Project({0, 0, 1}, 0)},
+                                     kPlain, sink, {});
+    ASSERT_THAT(report, IsOk());
+    EXPECT_THAT(sink.complaints(), IsEmpty());
+    EXPECT_THAT(report->open_places, Not(IsEmpty()));
+    double nearest = 9;
+    for (const Vec3& p : sink.mesh().positions) nearest = std::min(nearest, Distance(p, mendable));
+    EXPECT_LT(nearest, 2 * kLength) << angle;
+  }
 }
 
 // Fronts that are stopped in the middle: where two of their edges meet in a vertex, the triangles there are not one fan.

@@ -140,6 +140,21 @@ TEST(ProposeFree, IgnoresTheOtherSideOfAThinPlate) {
   EXPECT_EQ(scene.Free(e), Verdict::kAccepted);
 }
 
+// Sheets between creases that come as close as rounding: what lies on another is not in the way.
+TEST(ProposeFree, LooksAtItsOwnSheetAlone) {
+  for (const uint32_t sheet : {0u, 1u}) {
+    Scene scene;
+    const FrontEdgeId e = scene.Loop(kRoomy)[0];
+    std::vector<WindowVertexId> v;
+    for (const Vec3& p : {Vec3{-3, -0.2, 0}, Vec3{3, -0.2, 0}, Vec3{0, 5, 0}}) {
+      v.push_back(scene.Vertex(p));
+      scene.fronts.at(v.back()).sheet = sheet;
+    }
+    scene.Loop(v);
+    EXPECT_EQ(scene.Free(e), sheet == 0 ? Verdict::kCrossesFence : Verdict::kAccepted);
+  }
+}
+
 // On rough ground a front edge may run far above a new one that crosses it.
 TEST(ProposeFree, AsksTheSurfaceWhetherItCrossesWhatRunsAbove) {
   for (const Vec3& normal : {kUp, Normalized(Vec3{0, 1, -1})}) {
@@ -402,6 +417,20 @@ TEST(ProposeConnection, MergesWithAnotherLoop) {
   const auto other = scene.Loop({{0.5, -0.9, 0}, {0.1, -1.7, 0}, {0.9, -1.7, 0}});
   ASSERT_EQ(scene.proposer.ProposeConnection(e, kStrict, scene.connection), Verdict::kAccepted);
   EXPECT_EQ(scene.connection.corner, other[0]);
+}
+
+TEST(ProposeConnection, DoesNotReachForAnotherSheet) {
+  for (const uint32_t sheet : {0u, 1u}) {
+    Scene scene;
+    const FrontEdgeId e = scene.Loop(kRoomy)[0];
+    std::vector<WindowVertexId> v;
+    for (const Vec3& p : {Vec3{0.5, -0.9, 0}, Vec3{0.1, -1.7, 0}, Vec3{0.9, -1.7, 0}}) {
+      v.push_back(scene.Vertex(p));
+      scene.fronts.at(v.back()).sheet = sheet;
+    }
+    scene.Loop(v);
+    EXPECT_EQ(scene.proposer.ProposeConnection(e, kStrict, scene.connection) == Verdict::kAccepted, sheet == 0);
+  }
 }
 
 TEST(ProposeEar, IsALowerBoundOfWhatASearchFinds) {

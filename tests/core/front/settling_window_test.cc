@@ -176,6 +176,41 @@ TEST(SettlingWindow, RemovesAVertexWhoseRingIsRounderWithoutIt) {
   }
 }
 
+// The same rhombus with one more triangle at its upper right side, whose tip f alone has not been looked at before. Of the triangles
+// around the middle two have no corner next to f: they are not among those that the sweeps know.
+//
+//              f
+//       _ b _ / |
+//     a - m - - c
+//       - d -
+TEST(SettlingWindow, RemovesAVertexOnlyWithItsWholeStar) {
+  const PlaneSurface plane;
+  FrontSet fronts;
+  std::vector<WindowVertexId> v;
+  for (const Vec3& p : {Vec3{-0.5, 0, 0}, Vec3{0, 0.06, 0}, Vec3{0.4, 0.4, 0}, Vec3{0.5, 0, 0}, Vec3{0, -0.06, 0}})
+    v.push_back(fronts.AddVertex({p, {0, 0, 1}}, 1, 0));
+  const FrontEdgeId first = fronts.AddLoop(v);  // clockwise
+  const FrontEdgeId beside = fronts.at(first).next;
+  fronts.Connect(beside, fronts.at(fronts.at(beside).next).next, TriangleKind::kConnection);  // b f c
+  const WindowVertexId middle = fronts.AddVertex({{0, 0, 0}, {0, 0, 1}}, 1, 0);
+  FrontEdgeId e = fronts.at(fronts.Grow(first, middle).made[1]).next;
+  for (int i = 0; i < 2; ++i)
+    e = fronts.at(fronts.Connect(e, fronts.at(e).prev, TriangleKind::kConnection).made[0]).next;
+  fronts.Connect(e, fronts.at(e).prev, TriangleKind::kClosing);
+  ASSERT_EQ(FaultOf(fronts), "");
+  ASSERT_EQ(fronts.triangle_count(), 5u);
+  CheckingSink sink;
+  SettlingWindow window(plane, fronts, {.flips = false, .fit = false}, sink);
+  for (const bool all_are_new : {false, true}) {
+    for (const WindowVertexId u : v) fronts.at(u).improved = !all_are_new;
+    fronts.at(middle).improved = !all_are_new;
+    fronts.at(v[2]).improved = false;
+    window.Improve({});
+    EXPECT_EQ(FaultOf(fronts), "");
+    EXPECT_EQ(fronts.at(middle).alive, !all_are_new);
+  }
+}
+
 // Two triangles that pierce each other, as two fronts on one sheet would make them.
 struct Pierced {
   Pierced() {

@@ -172,5 +172,19 @@ TEST(MeshSurface, InterpolatesTheCurvature) {
   EXPECT_NEAR(surface->MaxCurvatureAt(surface->AtFace(FaceId(17), 0.2, 0.5)), 0.5, 0.02);
 }
 
+// A sheet with a pimple a millionth of its side wide: nobody sees it, and edges as short would be most of the mesh.
+TEST(MeshSurface, TakesATurnThatNobodySeesOverAVisibleLength) {
+  constexpr double kShrink = 1e-5, kRadius = 4e-6;
+  const auto surface = SurfaceOf(testing::Mapped(testing::Sheet(40), [](const Vec3& p) {
+    if (std::hypot(p.x, p.y) > 0.25) return p;
+    const double x = kShrink * p.x, y = kShrink * p.y;
+    return Vec3{x, y, kRadius - std::sqrt(kRadius * kRadius - x * x - y * y)};
+  }));
+  double largest = 0;
+  for (const double curvature : surface->vertex_curvatures()) largest = std::max(largest, curvature);
+  EXPECT_GT(largest, 100) << "but it does turn";
+  EXPECT_LT(largest, 2.1 / (2e-4 * std::sqrt(8.0)));
+}
+
 }  // namespace
 }  // namespace meshfront

@@ -1,0 +1,79 @@
+#include "core/front/refinement.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tests/core/front/fake_surfaces.h"
+#include "tests/core/front/front_checks.h"
+
+namespace meshfront {
+namespace {
+
+using testing::FaultOf;
+using ::testing::IsEmpty;
+using testing::LiveTriangles;
+using ::testing::Not;
+using testing::PlaneSurface;
+using testing::SphereSurface;
+
+constexpr Refinement::Limits kNoLimits{1000, 1000};
+
+// A vertex that has to go back to a front is told apart by its sheet from what lies close on another.
+TEST(Refinement, PutsVerticesOnTheSheetOfTheirNeighbours) {
+  const SphereSurface sphere;
+  for (const auto manner : {Refinement::Manner::kSides, Refinement::Manner::kWorstPlace}) {
+    FrontSet fronts;
+    std::vector<WindowVertexId> v;
+    const auto vertex = [&](const Vec3& p) {
+      v.push_back(fronts.AddVertex(sphere.Project(p, 0), 0.2, 1));
+      fronts.at(v.back()).sheet = 7;
+      return v.back();
+    };
+    for (int i = 0; i < 6; ++i) {  // clockwise: open inside
+      const double angle = -std::numbers::pi / 3 * i;
+      vertex({0.6 * std::cos(angle), 0.6 * std::sin(angle), 0.8});
+    }
+    const FrontEdgeId first = fronts.AddLoop(v);
+    FrontSet::Step step = fronts.Grow(first, vertex({0, 0, 1}));
+    while (fronts.front_edge_count() > 0) {
+      const FrontEdgeId rim = fronts.at(step.made[step.made_count - 1]).next;
+      step = fronts.Connect(rim, fronts.at(rim).prev, TriangleKind::kConnection);
+    }
+    Refinement refinement(sphere, fronts, 0.005, 0, 0);
+    EXPECT_THAT(refinement.Refine(LiveTriangles(fronts), manner, kNoLimits), Not(IsEmpty()));
+    EXPECT_EQ(FaultOf(fronts), "");
+    for (const WindowTriangleId t : LiveTriangles(fronts)) {
+      for (const WindowVertexId corner : fronts.at(t).corners) EXPECT_EQ(fronts.at(corner).sheet, 7u);
+    }
+  }
+}
+
+//          c
+//        /   \           the triangle's side a–b cuts off a part of the round hole below it
+//      a --_-- b
+TEST(Refinement, PutsAVertexOnARimButNotOnACreaseThatTwoPatchesShare) {
+  const PlaneSurface plane(1e30, std::sqrt(1.25), {0, -1, 0});
+  for (const bool is_crease : {false, true}) {
+    FrontSet fronts;
+    std::vector<WindowVertexId> v;
+    for (const Vec3& p : {Vec3{-0.5, 0, 0}, Vec3{0, 1, 0}, Vec3{0.5, 0, 0}})
+      v.push_back(fronts.AddVertex({p, {0, 0, 1}}, 0.3, 0));
+    if (is_crease) {
+      fronts.AttachJoint(v[0], 0), fronts.AttachJoint(v[2], 1);
+      fronts.MarkCrease(v[2], v[0]);
+    }
+    const FrontEdgeId e = fronts.AddLoop(v);
+    fronts.Connect(e, fronts.at(e).prev, TriangleKind::kClosing);
+    Refinement refinement(plane, fronts, 0.01, 0, 0);
+    const auto made = refinement.Refine(LiveTriangles(fronts), Refinement::Manner::kSides, kNoLimits);
+    EXPECT_EQ(FaultOf(fronts), "");
+    EXPECT_EQ(made.empty(), is_crease);
+    EXPECT_EQ(refinement.rim_insertions(), is_crease ? 0u : 1u);
+    EXPECT_EQ(fronts.triangle_count(), is_crease ? 1u : 2u);
+  }
+}
+
+}  // namespace
+}  // namespace meshfront
