@@ -17,6 +17,7 @@
 #include "core/features/creases.h"
 #include "core/field_builder.h"
 #include "core/guidance/sizing.h"
+#include "core/mesh/repair_slivers.h"
 
 namespace meshfront {
 namespace {
@@ -26,6 +27,9 @@ constexpr double kMinEdgePerDiagonal = 1e-5;
 constexpr double kMinEdgePerComponent = 0.01;
 // The error bound where it is held constant and not given: 0.1 %.
 constexpr double kMaxErrorPerDiagonal = 1e-3;
+// Mending slivers moves the surface by at most this part of the diagonal, and of the error bound where one is given.
+constexpr double kSliverReachPerDiagonal = 2e-4;
+constexpr double kSliverReachPerError = 0.25;
 // Outside this range of sizes the input is scaled by a power of two, which changes no significant bit.
 constexpr double kMinDiagonal = 1e-30, kMaxDiagonal = 1e30;
 
@@ -65,20 +69,45 @@ absl::Status Mend(TriangleMesh& mesh, bool repair, InputReport& report, std::opt
   return absl::OkStatus();
 }
 
-// The surface, cut open along its creases.
-absl::StatusOr<std::unique_ptr<MeshSurface>> MakeSurface(TriangleMesh mesh, std::optional<FaceAdjacency> adjacency,
-                                                         const RemeshOptions& options, const Context& context) {
-  if (!options.crease_angle) return MeshSurface::Create(std::move(mesh), std::move(adjacency), context);
-  if (!adjacency) adjacency = FindOrientedAdjacency(mesh);
-  if (!adjacency) return absl::InvalidArgumentError("the mesh is not an oriented manifold; repair it first");
-  const double angle = *options.crease_angle * std::numbers::pi / 180;
-  MESHFRONT_ASSIGN_OR_RETURN(const std::vector<bool> creases, FindCreases(mesh, *adjacency, angle, context));
-  return MeshSurface::Create(std::move(mesh), *std::move(adjacency), creases, context);
-}
-
 double Resolve(const std::optional<Length>& length, double diagonal, double scale, double otherwise) {
   if (!length) return otherwise;
   return length->relative ? length->value * diagonal : length->value * scale;
+}
+
+// How far mending slivers may move the surface, scaled like the diagonal.
+double SliverReach(const RemeshOptions& options, double diagonal, double scale) {
+  const double reach = kSliverReachPerDiagonal * diagonal;
+  if (options.sizing != Sizing::kError || !options.max_error) return reach;
+  return std::min(reach, kSliverReachPerError * Resolve(options.max_error, diagonal, scale, 0));
+}
+
+// The creases; where the input may be repaired, of a mesh whose slivers are mended if they have sides among them.
+absl::StatusOr<std::vector<bool>> MendAndFindCreases(TriangleMesh& mesh, FaceAdjacency& adjacency,
+                                                     const RemeshOptions& options, double reach,
+                                                     std::vector<RepairAction>& repairs, const Context& context) {
+  const double angle = *options.crease_angle * std::numbers::pi / 180;
+  MESHFRONT_ASSIGN_OR_RETURN(std::vector<bool> creases, FindCreases(mesh, adjacency, angle, context));
+  if (!options.repair) return creases;
+  const SliverChanges changes = MendSlivers(mesh, adjacency, creases, reach);
+  if (changes.flipped_caps > 0) repairs.push_back({"flipped_caps", changes.flipped_caps});
+  if (changes.collapsed_needles > 0) repairs.push_back({"collapsed_needles", changes.collapsed_needles});
+  if (!changes.any()) return creases;
+  return FindCreases(mesh, adjacency, angle, context);
+}
+
+// Mends the scaled input and finds its creases; the surface is cut open along them.
+absl::StatusOr<std::unique_ptr<MeshSurface>> MakeSurface(TriangleMesh mesh, std::optional<FaceAdjacency> adjacency,
+                                                         const RemeshOptions& options, Preparation& p,
+                                                         const Context& context) {
+  if (!options.crease_angle) return MeshSurface::Create(std::move(mesh), std::move(adjacency), context);
+  if (!adjacency) adjacency = FindOrientedAdjacency(mesh);
+  if (!adjacency) return absl::InvalidArgumentError("the mesh is not an oriented manifold; repair it first");
+  const double reach = SliverReach(options, p.input.diagonal * p.scale, p.scale);
+  const size_t repairs = p.input.repairs.size();
+  MESHFRONT_ASSIGN_OR_RETURN(const std::vector<bool> creases,
+                             MendAndFindCreases(mesh, *adjacency, options, reach, p.input.repairs, context));
+  if (p.input.repairs.size() > repairs) p.input.topology = MeasureTopology(mesh, *adjacency);
+  return MeshSurface::Create(std::move(mesh), *std::move(adjacency), creases, context);
 }
 
 absl::Status SetClamps(const RemeshOptions& options, absl::Span<const double> component_diagonals, Preparation& p) {
@@ -158,6 +187,21 @@ double ErrorBoundInForce(const Preparation& p, double length, double max_curvatu
   return length * ErrorPerLength(p.parameters.options.rho);
 }
 
+absl::StatusOr<RepairResult> RepairInput(TriangleMesh mesh, const RemeshOptions& options, const Context& context) {
+  MESHFRONT_ASSIGN_OR_RETURN(RepairResult result, RepairMesh(std::move(mesh), context));
+  if (!options.repair || !options.crease_angle) return result;
+  const double diagonal = BoundingBox(result.mesh).Diagonal(), scale = ScaleFor(diagonal);
+  const auto multiply = [&](double factor) {
+    for (Vec3& x : result.mesh.positions) x *= factor;
+  };
+  if (scale != 1) multiply(scale);
+  MESHFRONT_RETURN_IF_ERROR(MendAndFindCreases(result.mesh, result.adjacency, options,
+                                               SliverReach(options, diagonal * scale, scale), result.actions, context)
+                                .status());
+  if (scale != 1) multiply(1 / scale);
+  return result;
+}
+
 absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {
   MESHFRONT_RETURN_IF_ERROR(ValidateOptions(problem.options));
   const RemeshOptions options = problem.options;
@@ -177,7 +221,8 @@ absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {
   p.seconds.repair = watch.Lap();
 
   context.Report({Stage::kIndex});
-  MESHFRONT_ASSIGN_OR_RETURN(p.surface, MakeSurface(std::move(problem.mesh), std::move(adjacency), options, context));
+  MESHFRONT_ASSIGN_OR_RETURN(p.surface,
+                             MakeSurface(std::move(problem.mesh), std::move(adjacency), options, p, context));
   MESHFRONT_RETURN_IF_ERROR(SetClamps(options, p.surface->whole_diagonals(), p));
   p.seconds.index = watch.Lap();
 

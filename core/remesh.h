@@ -48,6 +48,10 @@ struct RemeshOptions {
 // InvalidArgument naming the field, the value and the rule, e.g. "options.eta is 2.5; it must be in (1, 2)".
 absl::Status ValidateOptions(const RemeshOptions& options);
 
+// The mesh as Remesh meshes it where options.repair is set: RepairMesh, then slivers are mended whose sides would be taken for creases
+// (repair_slivers.h), by at most 2e-4 of the diagonal and a quarter of max_error. Errors of RepairMesh.
+absl::StatusOr<RepairResult> RepairInput(TriangleMesh mesh, const RemeshOptions& options, const Context& context);
+
 struct Problem {
   TriangleMesh mesh;  // as read; consumed
   RemeshOptions options;

@@ -25,6 +25,7 @@
 #include "core/base/status_macros.h"
 #include "core/mesh/repair.h"
 #include "core/mesh/topology.h"
+#include "core/remesh.h"
 #include "proto/wire/convert.h"
 
 namespace meshfront {
@@ -118,7 +119,9 @@ class RemeshCommand {
     if (arguments_.write_repaired.empty()) return ExitCode::kDone;
     const bool repair = arguments_.meshing.repair != "off";
     Context context;
-    absl::StatusOr<RepairResult> repaired = repair ? RepairMesh(input_, context) : RepairResult{input_, {}};
+    const absl::StatusOr<RemeshOptions> options = OptionsFromProto(call_.options);
+    if (!options.ok()) return Fail(ExitCode::kUsage, options.status());
+    absl::StatusOr<RepairResult> repaired = repair ? RepairInput(input_, *options, context) : RepairResult{input_, {}};
     if (!repaired.ok()) return FailCall(repaired.status(), called_with());
     const absl::Status written = WriteMeshFile(arguments_.write_repaired, repaired->mesh);
     return written.ok() ? ExitCode::kDone : Fail(ExitCode::kOutput, written);

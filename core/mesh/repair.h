@@ -29,6 +29,9 @@ namespace meshfront {
 //   dropped_non_manifold_faces    no copy of a vertex could have made them manifold
 //   reversed_components           closed and inside out
 //   unreferenced_vertices         that no face named; dropped
+// and, by RepairInput (remesh.h), at slivers whose sides would be taken for creases (repair_slivers.h):
+//   flipped_caps                  a long side was turned into the triangle across
+//   collapsed_needles             a short side went, with the two faces beside it
 struct RepairAction {
   std::string what;
   uint64_t count = 0;

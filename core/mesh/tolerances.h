@@ -21,4 +21,19 @@ inline constexpr double kSpikeRatio = 1e6;
 inline constexpr double kSnapToMedianSide = 1e-3;
 inline constexpr double kSnapToShortestSide = 0.25;
 
+// Slivers (repair_slivers.h) are thinner than this (height by longest side), and not higher than so many reaches: what is folded over
+// by that much is still within one reach of what is below.
+inline constexpr double kSliverAspect = 0.1;
+inline constexpr double kFlapReaches = 10;
+// A sliver's normal is wrong when it is 26° (cosine) off a neighbour's.
+inline constexpr double kSliverAgrees = 0.9;
+// The faces across both long sides of a thin sheet's wall are more than 120° apart (cosine).
+inline constexpr double kWallCosine = -0.5;
+// Where two slivers share a short side, it is a step in a hair-thin strip, and may be so many reaches long.
+inline constexpr double kStepReaches = 3;
+// What a step against slivers may turn another triangle by (cosine), and how thin it may make another sliver, against its aspect
+// before.
+inline constexpr double kLeastSliverTurn = 0.7;
+inline constexpr double kLeastSliverAspectKept = 0.5;
+
 }  // namespace meshfront
