@@ -1,10 +1,12 @@
-// 1. Slivers at sharp edges are looked at in the order of the faces, and with their neighbours again when something has changed;
+// 1. AnyAtSharpEdges: most meshes have no sliver there, and stay as they are. Else all slivers are looked at in the order of the faces,
+//    and with their neighbours again when something has changed;
 // 2. Collapse: the shortest side, where it is short enough, towards the end that turns the triangles around less;
 // 3. Flip: else the longest side or the one after that, if what is across is not the other side of a thin wall.
 // How far the surface may have moved is kept for each face and vertex, so that what adds up is bounded, not only each step.
 // Rejected: to give slivers the normal of the face across their longest side where creases are looked for. The surface keeps its
 // grooves, curvature fits see them, and a CAD model with strips of 0.04 % of the diagonal got 2.4 to 4 times as many triangles.
-// Rejected as well: all slivers. Scans have some whose sides are no creases in the end; nothing is gained by moving those.
+// Rejected as well: to mend wherever there is a sliver. Scans have some whose sides are no creases in the end. Or only those at
+// creases: where they are, there are flaps in the smooth parts as well, and bent fits around them (twice the triangles on one model).
 #include "core/mesh/repair_slivers.h"
 
 #include <algorithm>
@@ -49,10 +51,10 @@ class SliverMender {
       : mesh_(mesh), adjacency_(adjacency), reach_(reach) {}
 
   SliverChanges Run(const std::vector<bool>& sharp) {
+    if (!AnyAtSharpEdges(sharp)) return changes_;
     for (uint32_t f = 0; f < mesh_.triangles.size(); ++f) {
-      if ((sharp[3 * f] || sharp[3 * f + 1] || sharp[3 * f + 2]) && IsWrong(f)) pending_.push_back(f);
+      if (IsWrong(f)) pending_.push_back(f);
     }
-    if (pending_.empty()) return changes_;
     moved_.assign(mesh_.triangles.size(), 0);
     vertex_moved_.assign(mesh_.positions.size(), 0);
     visits_.assign(mesh_.triangles.size(), 0);
@@ -104,6 +106,12 @@ class SliverMender {
     return false;
   }
   bool IsWall(uint32_t f) const;
+  bool AnyAtSharpEdges(const std::vector<bool>& sharp) const {
+    for (uint32_t f = 0; f < mesh_.triangles.size(); ++f) {
+      if ((sharp[3 * f] || sharp[3 * f + 1] || sharp[3 * f + 2]) && IsWrong(f)) return true;
+    }
+    return false;
+  }
   double Moved(VertexId v) const { return vertex_moved_[v.index()]; }
   bool IsGone(uint32_t f) const { return moved_[f] < 0; }
 
