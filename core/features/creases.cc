@@ -1,4 +1,4 @@
-//   1. FaceNormals, of slivers from the face across their longest side;
+//   1. FaceNormals, of slivers without area from the face across their longest side, of hairs from what they lie between;
 //   2. MarkSharp: edges that turn by more than the angle;
 //   3. BridgeGaps: from where such a line ends, straight on over weaker edges until it meets a line again;
 //   4. DropSpurs: lines that end inside a patch, from their ends back to where they meet others;
@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <initializer_list>
+#include <utility>
 
 #include "core/base/status_macros.h"
 #include "core/features/specks.h"
@@ -30,6 +32,7 @@ class CreaseFinder {
 
   absl::StatusOr<std::vector<bool>> Run(const Context& context) {
     FindFaceNormals();
+    SmoothHairs();
     MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
     if (!MarkSharp()) return std::move(crease_);
     BridgeGaps();
@@ -46,6 +49,10 @@ class CreaseFinder {
   const Vec3& Place(uint32_t v) const { return mesh_.positions[v]; }
 
   void FindFaceNormals();
+  void SmoothHairs();
+  bool IsHair(uint32_t f, double highest) const;
+  uint32_t LongestOf(std::initializer_list<uint32_t> sides) const;
+  uint32_t BesideHair(uint32_t h, double highest) const;
   bool MarkSharp();
   void BridgeGaps();
   bool Bridge(uint32_t from, std::vector<uint32_t>& way) const;
@@ -98,6 +105,47 @@ void CreaseFinder::FindFaceNormals() {
     const uint32_t across = adjacency_.opposite[f][longest];
     if (across != kNoHalfEdge) normals_[f] = normals_[across / 3];
   }
+}
+
+bool CreaseFinder::IsHair(uint32_t f, double highest) const {
+  const Triangle& t = mesh_.triangles[f];
+  const Vec3 &a = mesh_.PositionAt(t[0]), &b = mesh_.PositionAt(t[1]), &c = mesh_.PositionAt(t[2]);
+  const double longest2 = std::max({SquaredDistance(a, b), SquaredDistance(b, c), SquaredDistance(c, a)});
+  const double area2 = SquaredNorm(AreaVector(a, b, c));  // aspect² · longest⁴ = height² · longest²
+  return area2 < kHairAspect * kHairAspect * longest2 * longest2 && area2 < highest * highest * longest2;
+}
+
+uint32_t CreaseFinder::LongestOf(std::initializer_list<uint32_t> sides) const {
+  const auto length2 = [&](uint32_t h) { return SquaredDistance(Place(Origin(h)), Place(Target(h))); };
+  return *std::max_element(sides.begin(), sides.end(), [&](uint32_t a, uint32_t b) { return length2(a) < length2(b); });
+}
+
+// The face across side h of a hair; where that is a hair itself, the one across its longer other side, and so on.
+uint32_t CreaseFinder::BesideHair(uint32_t h, double highest) const {
+  for (int step = 0; step < kMaxHairs; ++step) {
+    h = adjacency_.OppositeOf(h);
+    if (h == kNoHalfEdge || !IsHair(h / 3, highest)) break;
+    h = LongestOf({NextHalfEdge(h), PreviousHalfEdge(h)});
+  }
+  return h == kNoHalfEdge || IsHair(h / 3, highest) ? kNoHalfEdge : h / 3;
+}
+
+//      ______________
+//     /      a       \       Where a and b agree, what lies between them is no crease, whatever the needle's own normal.
+//     ====== hair ====
+//     \______ b ______/
+void CreaseFinder::SmoothHairs() {
+  const double highest = kHairOfDiagonal * BoundingBox(mesh_, adjacency_).Diagonal();
+  std::vector<std::pair<uint32_t, Vec3>> smooth;
+  for (uint32_t f = 0; f < mesh_.triangles.size(); ++f) {
+    if (!IsHair(f, highest)) continue;
+    const uint32_t h = LongestOf({3 * f, 3 * f + 1, 3 * f + 2});
+    const uint32_t a = BesideHair(h, highest),
+                   b = BesideHair(LongestOf({NextHalfEdge(h), PreviousHalfEdge(h)}), highest);
+    if (a == kNoHalfEdge || b == kNoHalfEdge || Dot(normals_[a], normals_[b]) < weak_cosine_) continue;
+    smooth.emplace_back(f, Normalized(normals_[a] + normals_[b]));
+  }
+  for (const auto& [f, normal] : smooth) normals_[f] = normal;
 }
 
 bool CreaseFinder::MarkSharp() {

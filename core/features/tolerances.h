@@ -68,6 +68,10 @@ inline constexpr int kMaxBridge = 6;                // … so many of them
 inline constexpr double kBridgeStraightness = 0.7;  // … each within 45° of the one before (cosine)
 // A face lower than this part of its longest side squared has no normal of its own.
 inline constexpr double kSliverHeight = 1e-4;
+// A hair is a face lower than this part of its longest side and of the diagonal; chains of so many are looked through.
+inline constexpr double kHairAspect = 0.1;
+inline constexpr double kHairOfDiagonal = 5e-4;
+inline constexpr int kMaxHairs = 4;
 
 // Specks (specks.h). A cluster of small patches inside one large patch, the sea, is one
 // … if it lies within this part of the diagonal of the mesh, and the sea has more faces than that;
