@@ -11,6 +11,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/shapes.h"
 #include "tests/support/sharp_edges.h"
+#include "tests/support/slivers.h"
 
 namespace meshfront {
 namespace {
@@ -231,6 +232,10 @@ TEST(FindCreases, StopWhenTheContextSaysSo) {
   context.stop = &stop;
   const TriangleMesh cube = testing::Cube(2);
   EXPECT_EQ(FindCreases(cube, CreateAdjacency(cube), 1, context).status().code(), absl::StatusCode::kCancelled);
+}
+
+TEST(FindCreases, NeedlesOnASmoothSurfaceAreNone) {
+  EXPECT_THAT(CreasesOf(testing::WithNeedles(testing::Icosphere(5), 0.005, 1)), IsEmpty());
 }
 
 }  // namespace

@@ -1,0 +1,72 @@
+// Inputs with slivers, whose normals say nothing, come out as those without.
+#include <algorithm>
+#include <string>
+
+#include "core/remesh.h"
+#include "tests/support/checking_sink.h"
+#include "tests/support/matchers.h"
+#include "tests/support/shapes.h"
+#include "tests/support/slivers.h"
+
+namespace meshfront::testing {
+namespace {
+
+using ::testing::IsEmpty;
+
+Report RemeshOrFail(const TriangleMesh& input, const RemeshOptions& options) {
+  CheckingSink sink;
+  absl::StatusOr<Report> report = Remesh({input, options}, sink, Context{});
+  EXPECT_THAT(report, IsOk());
+  if (!report.ok()) return {};
+  sink.CheckEnd();
+  EXPECT_THAT(sink.complaints(), IsEmpty());
+  EXPECT_THAT(sink.mesh(), IsClosedManifold());
+  return *std::move(report);
+}
+
+uint64_t CountOf(const std::vector<RepairAction>& repairs, const std::string& what) {
+  for (const RepairAction& action : repairs) {
+    if (action.what == what) return action.count;
+  }
+  return 0;
+}
+
+TEST(RemeshWithSlivers, CapsAlongAnEdgeMakeNoNeedles) {
+  for (const double rho : {0.5, 1.0, 1.5}) {
+    SCOPED_TRACE(rho);
+    RemeshOptions options;
+    options.rho = rho;
+    const Report plain = RemeshOrFail(Cube(4), options), with_caps = RemeshOrFail(CubeWithCaps(4, 1e-4), options);
+    EXPECT_EQ(CountOf(with_caps.input.repairs, "flipped_caps"), 8u);
+    EXPECT_GT(with_caps.quality.radius_ratio_min, 0.5);
+    EXPECT_LT(with_caps.predicted_triangles, 2 * plain.predicted_triangles + 100);
+  }
+}
+
+TEST(RemeshWithSlivers, NeedlesOnASmoothSurfaceAreNoCreases) {
+  const Report report = RemeshOrFail(WithNeedles(Icosphere(4), 0.02, 1), {});
+  EXPECT_GT(report.quality.radius_ratio_p0_5, 0.5);
+  EXPECT_GT(report.quality.radius_ratio_min, 0.25);
+}
+
+TEST(RemeshWithSlivers, NothingIsMendedWhereNoneMayBe) {
+  RemeshOptions off;
+  off.repair = false;
+  EXPECT_THAT(RemeshOrFail(CubeWithCaps(4, 1e-4), off).input.repairs, IsEmpty());
+  RemeshOptions tight;  // the caps are 1.4e-4 high
+  tight.sizing = Sizing::kError;
+  tight.max_error = Length{4e-4, false};
+  EXPECT_THAT(RemeshOrFail(CubeWithCaps(4, 1e-4), tight).input.repairs, IsEmpty());
+}
+
+TEST(RemeshWithSlivers, RepairInputIsWhatIsMeshed) {
+  const auto repaired = RepairInput(CubeWithCaps(4, 1e-4), {}, Context{});
+  ASSERT_THAT(repaired, IsOk());
+  EXPECT_EQ(CountOf(repaired->actions, "flipped_caps"), 8u);
+  const Report report = RemeshOrFail(CubeWithCaps(4, 1e-4), {}), again = RemeshOrFail(repaired->mesh, {});
+  EXPECT_EQ(report.output.triangles, again.output.triangles);
+  EXPECT_THAT(again.input.repairs, IsEmpty());
+}
+
+}  // namespace
+}  // namespace meshfront::testing
