@@ -55,7 +55,7 @@ TEST(RemeshWithSlivers, NothingIsMendedWhereNoneMayBe) {
   EXPECT_THAT(RemeshOrFail(CubeWithCaps(4, 1e-4), off).input.repairs, IsEmpty());
   RemeshOptions tight;  // the caps are 1.4e-4 high
   tight.sizing = Sizing::kError;
-  tight.max_error = Length{4e-4, false};
+  tight.max_error = Length{2e-4, false};
   EXPECT_THAT(RemeshOrFail(CubeWithCaps(4, 1e-4), tight).input.repairs, IsEmpty());
 }
 
