@@ -25,8 +25,8 @@ struct SliverChanges {
 // The new surface stays within `reach` of the old one, all that is done at a place counted together (of collapses: of the planes of the
 // triangles around). The other way a flap that was folded over may be lost. Rims, components and genus stay; no triangle gets much
 // thinner for it or turns over; walls of thin sheets stay. What can't be mended so stays as well. Faces and vertices keep their
-// order, vertices that are not used any more go; `adjacency` is that of the result. About 10 ns a triangle where no edge is sharp, 1 µs
-// a step.
+// order, vertices that are not used any more go; `adjacency` is that of the result. O(n); within the noise of
+// the preparation where no sliver is at a sharp edge (igea, 268,000 triangles).
 SliverChanges MendSlivers(TriangleMesh& mesh, FaceAdjacency& adjacency, const std::vector<bool>& sharp, double reach);
 
 }  // namespace meshfront
