@@ -12,8 +12,8 @@ namespace meshfront {
 
 // One flag per half-edge, set on both halves of a crease. Creases turn by more than `angle` (radians, in (0, π)); gaps of a few
 // edges that turn by somewhat less are bridged; lines that end inside a smooth patch, and specks of a few faces, as noise makes
-// them, are left out, as are the sides of hairs
-// (height below 5e-4 of the diagonal) between faces that agree. Needs an oriented manifold. Stops with the context. O(n), about 0.1 µs a triangle where there are creases.
+// them, are left out, as are the sides of hairs (lower than 5e-4 of the diagonal) between faces that agree. Needs an oriented
+// manifold. Stops with the context. O(n), about 0.1 µs a triangle where there are creases.
 absl::StatusOr<std::vector<bool>> FindCreases(const TriangleMesh& mesh, const FaceAdjacency& adjacency, double angle,
                                               const Context& context);
 
