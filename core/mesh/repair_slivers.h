@@ -16,8 +16,9 @@ struct SliverChanges {
   bool any() const { return flipped_caps + collapsed_needles > 0; }
 };
 
-// Mends the slivers of an oriented manifold with its adjacency if any has a side in `sharp` (a flag per half-edge): a long side is turned into the triangle across, or a short side collapsed. Slivers are lower than kSliverAspect of their longest side
-// and than kFlapReaches times `reach` (> 0, a length in the units of the mesh), and have a neighbour that faces elsewhere.
+// Mends the slivers of an oriented manifold with its adjacency if any has a side in `sharp` (a flag per half-edge): a long side is
+// turned into the triangle across, or a short side collapsed. Slivers are lower than kSliverAspect of their longest side and than
+// kFlapReaches times `reach` (> 0, a length in the units of the mesh), and have a neighbour that faces elsewhere.
 //
 //     cap  u ─────┬───── v   hardly above u v     needle  a ═════════> c   a hardly beside b
 //                 w                                       b

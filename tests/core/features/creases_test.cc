@@ -234,6 +234,17 @@ TEST(FindCreases, StopWhenTheContextSaysSo) {
   EXPECT_EQ(FindCreases(cube, CreateAdjacency(cube), 1, context).status().code(), absl::StatusCode::kCancelled);
 }
 
+// A sheet with a step from rim to rim: needles that stand upright between faces that agree.
+TEST(FindCreases, AreNotTheSidesOfAHairBetweenFacesThatAgree) {
+  const auto step = [](double height) {
+    return testing::Mapped(testing::HeightField(10, [](double, double) { return 0.0; }), [&](const Vec3& p) {
+      return Vec3{p.x > 0.1 && p.x < 0.3 ? 0 : p.x, p.y, p.x > 0.1 ? height : 0};
+    });
+  };
+  EXPECT_THAT(CreasesOf(step(1e-4)), IsEmpty());
+  EXPECT_THAT(CreasesOf(step(1e-2)), SizeIs(20)) << "this is a step";
+}
+
 TEST(FindCreases, NeedlesOnASmoothSurfaceAreNone) {
   EXPECT_THAT(CreasesOf(testing::WithNeedles(testing::Icosphere(5), 0.005, 1)), IsEmpty());
 }
