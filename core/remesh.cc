@@ -38,6 +38,9 @@ constexpr double kInsertionsForCount = 0.005, kMostInsertionsForCount = 0.0185;
 // held back, for the whole to be made again with shorter edges where it came out wrong.
 constexpr uint64_t kHeldTriangles = 1 << 18;
 constexpr int kMaxAttempts = 4;
+// Where the front was taken back at place after place all over a large mesh, the ground is rough, and shorter edges make it no better:
+// roll-backs times triangles.
+constexpr double kMostWorkForAnother = 1e7;
 constexpr double kCountTolerance = 0.03;   // of the number of triangles wanted
 constexpr size_t kMaxListedPairs = 20000;  // of an output's intersections, that are looked at
 
@@ -208,8 +211,9 @@ absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& p, MeshSink& sink, const 
     places.insert(places.end(), attempt.intersections.begin(), attempt.intersections.end());
     const bool is_off = CountErrorOf(attempt, wanted) > kCountTolerance && attempt.front.triangles > 0;
     if (is_off) aim *= static_cast<double>(wanted) / static_cast<double>(attempt.front.triangles);
+    const double work = static_cast<double>(attempt.front.roll_backs) * static_cast<double>(attempt.front.triangles);
     if (number == 1 || IsBetter(attempt, best, wanted)) best = std::move(attempt);
-    if ((places.empty() && !is_off) || number == kMaxAttempts) break;
+    if ((places.empty() && !is_off) || number == kMaxAttempts || work > kMostWorkForAnother) break;
     const auto count = is_off ? std::optional(static_cast<uint64_t>(std::llround(aim))) : std::nullopt;
     const absl::Status prepared = PrepareAgain(places, count, p, context);
     if (absl::IsInvalidArgument(prepared)) break;  // so few, or so many, can't be made
