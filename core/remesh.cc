@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/exceptions.h"
 #include "core/base/status_macros.h"
+#include "core/features/close_curves.h"
 #include "core/front/advancing_front.h"
 #include "core/geometry/intersection.h"
 #include "core/geometry/triangle.h"
@@ -34,8 +35,8 @@ constexpr uint64_t kMaxPerPredicted = 2, kMaxBeyondPredicted = 20000;
 // few places. As it goes; and in all, counting only what is far beyond the bound from there on.
 constexpr double kInsertionsForCount = 0.005, kMostInsertionsForCount = 0.0185;
 
-// Rims and creases are divided before the front starts, and no roll-back can divide them again. So with them so much of the output is
-// held back, for the whole to be made again with shorter edges where it came out wrong.
+// Rims and creases are divided before the front starts, and no roll-back can divide them again. So where they lie close to something so
+// much of the output is held back, for the whole to be made again with shorter edges where it came out wrong.
 constexpr uint64_t kHeldTriangles = 1 << 18;
 constexpr int kMaxAttempts = 4;
 // Where the front was taken back at place after place all over a large mesh, the ground is rough, and shorter edges make it no better:
@@ -191,7 +192,7 @@ bool IsBetter(const Attempt& attempt, const Attempt& best, uint64_t wanted) {
 // The front; and, while nothing of it went on, again: with shorter edges around its faults, and for as many more or fewer triangles as
 // came too few or too many. The best of the attempts.
 absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& p, MeshSink& sink, const Context& context) {
-  HoldingSink held(sink, p.loops.empty() ? 0 : kHeldTriangles);
+  HoldingSink held(sink, DoCurvesLieClose(*p.surface, p.loops) ? kHeldTriangles : 0);
   const uint64_t wanted = p.parameters.target_triangles;
   double aim = static_cast<double>(wanted);
   Attempt best;

@@ -103,8 +103,8 @@ struct Report {
 // Meshes the problem into the sink. InvalidArgument: bad option or unusable input; FailedPrecondition: the input can't be meshed
 // under this policy (with the places); Cancelled / DeadlineExceeded; the sink's own status when it stops the job. A mesh that
 // could be closed only in part is OK with `complete == false`; one without any triangle is FailedPrecondition.
-// ResourceExhausted: no memory. Deterministic at any thread count. Where there are rims or creases, up to 262,144 triangles are held
-// back, to be made again with shorter edges where they came out wrong; the rest, and all others, come as they settle.
+// ResourceExhausted: no memory. Deterministic at any thread count. Where there are creases, or rims close to another part (close_curves.h),
+// up to 262,144 triangles are held back, to be made again with shorter edges where they came out wrong; the rest, and all others, come as they settle.
 absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& context);
 
 struct Estimate {

@@ -91,4 +91,12 @@ inline constexpr double kWedgeCosine = 0.966;
 //     or if it has few faces, however it runs, and the sea so many times as many.
 inline constexpr uint32_t kSeaPerSmoothSpeck = 1000;
 
+// A curve passes close to what lies within this part of an edge's length around its middle; and a walk has reached a place when it ends
+// within this part of that.
+inline constexpr double kCloseToCurve = 0.5;
+inline constexpr double kReached = 1e-3;
+// Around an edge of a curve, in parts of kCloseToCurve's length; and faces looked at there.
+inline constexpr double kAroundCurve = 6;
+inline constexpr size_t kMaxFacesAroundCurve = 20000;
+
 }  // namespace meshfront
