@@ -38,6 +38,8 @@ constexpr double kInsertionsForCount = 0.005, kMostInsertionsForCount = 0.0185;
 // Rims and creases are divided before the front starts, and no roll-back can divide them again. So where they lie close to something so
 // much of the output is held back, for the whole to be made again with shorter edges where it came out wrong.
 constexpr uint64_t kHeldTriangles = 1 << 18;
+// … and as many wherever there are rims: not much more than what the settling window keeps before it lets go of any.
+constexpr uint64_t kHeldInAnyCase = 6000;
 constexpr int kMaxAttempts = 4;
 // Where the front was taken back at place after place all over a large mesh, the ground is rough, and shorter edges make it no better:
 // roll-backs times triangles.
@@ -192,7 +194,8 @@ bool IsBetter(const Attempt& attempt, const Attempt& best, uint64_t wanted) {
 // The front; and, while nothing of it went on, again: with shorter edges around its faults, and for as many more or fewer triangles as
 // came too few or too many. The best of the attempts.
 absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& p, MeshSink& sink, const Context& context) {
-  HoldingSink held(sink, DoCurvesLieClose(*p.surface, p.loops) ? kHeldTriangles : 0);
+  const uint64_t limit = DoCurvesLieClose(*p.surface, p.loops) ? kHeldTriangles : kHeldInAnyCase;
+  HoldingSink held(sink, p.loops.empty() ? 0 : limit);
   const uint64_t wanted = p.parameters.target_triangles;
   double aim = static_cast<double>(wanted);
   Attempt best;
