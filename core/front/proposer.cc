@@ -118,14 +118,15 @@ Verdict Proposer::CheckNeighbours(FrontEdgeId edge, double radius_a, double radi
 }
 
 // Whether the new side number `side`, from one source point to another, crosses a front edge. Where the fences leave it unclear, the
-// ways over the surface decide: the fronts then stay simple loops on the surface, however rough that is. Without a way, no.
+// ways over the surface decide: the fronts then stay simple loops on the surface, however rough that is. A side without a way is taken
+// to cross what does not face the other way.
 bool Proposer::Crosses(const NewEdge& edge, const SourcePoint& from, const SourcePoint& to, int side,
                        FrontEdgeId fence) {
   const Crossing crossing = CrossFence(edge, fences_.at(fence));
-  if (crossing != Crossing::kUnclear) return crossing == Crossing::kCrosses;
+  if (crossing != Crossing::kUnclear || !surface_.HasWays()) return crossing == Crossing::kCrosses;
   NewWay& way = new_ways_[side];
   if (!way.is_known) way.is_known = true, surface_.TraceWay(from, to, way.pieces);
-  if (way.pieces.empty()) return false;
+  if (way.pieces.empty()) return Dot(edge.normal, fences_.at(fence).normal) >= kOtherSheetCosine;
   if (fence_ways_.size() <= fence.index()) fence_ways_.resize(2 * fence.index() + 16);
   FenceWay& along = fence_ways_[fence.index()];
   if (along.birth != fronts_.at(fence).birth) {

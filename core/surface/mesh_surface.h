@@ -111,6 +111,7 @@ class MeshSurface final : public Surface {
   double MaxCurvatureAt(const SourcePoint& p) const override;
   bool IsOnBoundary(const SourcePoint& p) const override;
   uint32_t SheetOf(const SourcePoint& p) const override { return components_.label[FaceOf(p)]; }
+  bool HasWays() const override { return true; }
   bool TraceWay(const SourcePoint& a, const SourcePoint& b, std::vector<WayPiece>& way) const override;
   // About 0.1 µs a face over the triangle.
   bool FindFarPlaces(const SourcePoint& start, const std::array<Vec3, 3>& triangle, double bound, double beside,

@@ -63,7 +63,8 @@ class Surface {
   virtual bool IsOnBoundary(const SourcePoint& p) const = 0;
 
   // The way from a to b over the surface that lies in one plane with the mean of their normals, piece by piece. False, and no way,
-  // when that section does not lead from a to b. Surfaces without patches can't tell of any.
+  // when that section does not lead from a to b. Surfaces without patches have none, and say so.
+  virtual bool HasWays() const { return false; }
   virtual bool TraceWay(const SourcePoint& a, const SourcePoint& b, std::vector<WayPiece>& way) const {
     static_cast<void>(a), static_cast<void>(b);
     way.clear();

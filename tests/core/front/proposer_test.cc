@@ -52,6 +52,7 @@ struct Scene {
 // A plane whose ways are what a map of it shows, however high their ends are drawn.
 class MappedSurface : public PlaneSurface {
  public:
+  bool HasWays() const override { return true; }
   bool TraceWay(const SourcePoint& a, const SourcePoint& b, std::vector<WayPiece>& way) const override {
     const auto on_map = [](const Vec3& p) { return Vec3{p.x, p.y, 0}; };
     way = {{0, on_map(a.position), on_map(b.position)}};
@@ -302,6 +303,27 @@ TEST(CheckConnection, AsksTheSurfaceWhetherItCrossesWhatRunsAbove) {
     scene->Loop({{-2, 0, 0.9}, {2, 0, 0.9}, {0, 4, 0.9}});
     EXPECT_EQ(scene->proposer.CheckConnection(e[0], e[3], kStrict),
               scene == &mapped ? Verdict::kCrossesFence : Verdict::kAccepted);
+  }
+}
+
+// Rough ground on which no straight way leads anywhere.
+class PathlessSurface : public PlaneSurface {
+ public:
+  bool HasWays() const override { return true; }
+  bool TraceWay(const SourcePoint&, const SourcePoint&, std::vector<WayPiece>& way) const override {
+    way.clear();
+    return false;
+  }
+};
+
+TEST(CheckConnection, CrossesWhatRunsAboveWhereNoWayTells) {
+  for (const Vec3& normal : {kUp, -kUp}) {
+    Scene scene(std::make_unique<PathlessSurface>());
+    const auto e = scene.Loop(Polygon(5));
+    scene.Loop({{-2, 0, 0.9}, {2, 0, 0.9}, {0, 4, 0.9}}, normal);
+    EXPECT_EQ(scene.proposer.CheckConnection(e[0], e[3], kStrict),
+              normal == kUp ? Verdict::kCrossesFence : Verdict::kAccepted)
+        << "the other side of a plate is not in the way";
   }
 }
 
