@@ -10,6 +10,8 @@ namespace {
 
 constexpr int kMaxLoopToTriangulate = 64;  // edges; the triangulation is cubic
 constexpr double kDihedralPenalty = 4.0;   // weight of a fold, against one mean squared edge
+// A triangle with corners on one line weighs nothing by its area, and is none: heavier than all folds where there is another closure.
+constexpr double kFlatPenalty = 1000.0, kFlatRatio = 1e-4;
 
 class LoopCloser {
  public:
@@ -82,7 +84,8 @@ double LoopCloser::WeightOf(int first, int apex, int last) const {
   if (tolerance < 1 && !proposer_.StandsForSurface(r.source, p.source, q.source, false, false, tolerance * longest)) {
     return -1;
   }
-  return Norm(area) + kDihedralPenalty * mean_square_ * (1 - agreement);
+  const bool is_flat = RadiusRatio(p.position, q.position, r.position) < kFlatRatio;
+  return Norm(area) + mean_square_ * (kDihedralPenalty * (1 - agreement) + (is_flat ? kFlatPenalty : 0));
 }
 
 }  // namespace

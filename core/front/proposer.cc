@@ -26,6 +26,8 @@ constexpr double kMinRadiusPerBase = 0.7,
                  kMaxRadiusPerBase = 1.6;  // free sides against a base that is too long or too short
 constexpr double kFarTooClose = 0.85;      // of the clearance: what curvature may add to a distance in the plane
 constexpr double kSixtyDegrees = 0.6339745962155614;  // ClockwiseTurn of 60°
+// Turn below which a corner is none (0.006°): what it leaves behind could only be filled by a triangle without area.
+constexpr double kLeastCorner = 1e-4;
 constexpr double kSignTells =
     1e-6;  // a cosine that is required and above this is not met by what is not positive, rounded or not
 constexpr double kBallSlack = 1 + 1e-6;      // for rounding, and for the normals of needles
@@ -283,7 +285,7 @@ Verdict Proposer::CheckSectors(Candidate& c) const {
   if (!c.zip_after && turn_b >= open) return Verdict::kOutsideSector;
   if (!c.zip_before) c.score = std::min(c.score, turn_a);
   if (!c.zip_after) c.score = std::min(c.score, open - turn_b);
-  return Verdict::kAccepted;
+  return c.score < kLeastCorner ? Verdict::kOutsideSector : Verdict::kAccepted;
 }
 
 // Whether the loop goes around its open side rather than the other way: the corners of a polygon of n sides sum up to n − 2 straight

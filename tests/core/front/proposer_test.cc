@@ -227,6 +227,17 @@ TEST(CheckConnection, RejectsATriangleWithoutArea) {
   EXPECT_EQ(scene.proposer.CheckConnection(e[0], e[2], kStrictness[3]), Verdict::kNormalsDisagree);
 }
 
+// The side from the base's end to the far corner runs over the corner between: what is left there would have no area.
+TEST(CheckConnection, LeavesNoCornerWithoutAnAngle) {
+  for (const double off : {0.0, 1e-9, 0.2}) {
+    Scene scene;
+    const auto e = scene.Loop({{0, 0, 0}, {1, 0.5, 0}, {2, 0, 0}, {1, -off, 0}});  // clockwise: open inside
+    EXPECT_EQ(scene.proposer.CheckConnection(e[0], e[2], kStrictness[3]),
+              off < 0.1 ? Verdict::kOutsideSector : Verdict::kAccepted)
+        << off;
+  }
+}
+
 TEST(CheckConnection, RejectsApexBehindTheNeighbouringEdge) {
   Scene scene;
   const auto e = scene.Loop({{0, 0, 0}, {1, 0, 0}, {0.6, -0.5, 0}, {1, -1, 0}, {0, -1.5, 0}, {-0.5, -0.7, 0}});
