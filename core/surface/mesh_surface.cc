@@ -201,7 +201,14 @@ bool MeshSurface::FindFarPlaces(const SourcePoint& start, const std::array<Vec3,
 }
 
 bool MeshSurface::MeetsItselfNear(const Vec3& place, double radius) const {
-  std::call_once(meetings_once_, [this] { meetings_ = std::make_unique<SelfMeetings>(mesh_); });
+  std::call_once(meetings_once_, [this] {
+    std::vector<std::array<Vec3, 2>> rims;
+    for (uint32_t h = 0; h < 3 * mesh_.triangles.size(); ++h) {
+      if (adjacency_.OppositeOf(h) == kNoHalfEdge && AcrossCrease(h) == kNoHalfEdge)
+        rims.push_back({mesh_.PositionAt(OriginOf(mesh_, h)), mesh_.PositionAt(TargetOf(mesh_, h))});
+    }
+    meetings_ = std::make_unique<SelfMeetings>(mesh_, rims);
+  });
   return meetings_->IsAnyWithin(place, radius);
 }
 

@@ -1,5 +1,8 @@
 #include "core/surface/self_meetings.h"
 
+#include <algorithm>
+
+#include "absl/container/flat_hash_set.h"
 #include "core/base/context.h"
 #include "core/geometry/intersection.h"
 #include "core/geometry/segment.h"
@@ -17,15 +20,11 @@ bool IsWithin(const Vec3& place, double radius, const std::array<Vec3, 3>& trian
 
 }  // namespace
 
-SelfMeetings::SelfMeetings(const TriangleMesh& mesh) {
-  const auto found = FindSelfIntersections(mesh, surface_tolerances::kMaxSelfMeetings, Context{});
-  if (!found.ok()) return;  // an index out of range, which a surface does not have
-  for (const auto& [f, g] : found->first_pairs) {
-    const auto corner = [&](FaceId face, int i) { return mesh.PositionAt(mesh.triangles[face.index()][i]); };
-    const Vec3 a[3] = {corner(f, 0), corner(f, 1), corner(f, 2)}, b[3] = {corner(g, 0), corner(g, 1), corner(g, 2)};
-    meetings_.push_back({{a[0], a[1], a[2]}, {b[0], b[1], b[2]}, CommonStretch(a, b)});
+SelfMeetings::SelfMeetings(const TriangleMesh& mesh, absl::Span<const std::array<Vec3, 2>> rims) {
+  AddMeetings(mesh);
+  AddSeams(rims);
+  for (const Meeting& m : meetings_) {
     const auto first = static_cast<uint32_t>(positions_.size());
-    const Meeting& m = meetings_.back();
     if (m.stretch)
       positions_.insert(positions_.end(), {(*m.stretch)[0], (*m.stretch)[1], (*m.stretch)[1]});
     else
@@ -33,6 +32,26 @@ SelfMeetings::SelfMeetings(const TriangleMesh& mesh) {
     triangles_.push_back({VertexId(first), VertexId(first + 1), VertexId(first + 2)});
   }
   if (!triangles_.empty()) tree_ = std::make_unique<TriangleBvh>(positions_, triangles_);
+}
+
+void SelfMeetings::AddMeetings(const TriangleMesh& mesh) {
+  const auto found = FindSelfIntersections(mesh, surface_tolerances::kMaxSelfMeetings, Context{});
+  if (!found.ok()) return;  // an index out of range, which a surface does not have
+  for (const auto& [f, g] : found->first_pairs) {
+    const auto corner = [&](FaceId face, int i) { return mesh.PositionAt(mesh.triangles[face.index()][i]); };
+    const Vec3 a[3] = {corner(f, 0), corner(f, 1), corner(f, 2)}, b[3] = {corner(g, 0), corner(g, 1), corner(g, 2)};
+    meetings_.push_back({{a[0], a[1], a[2]}, {b[0], b[1], b[2]}, CommonStretch(a, b)});
+  }
+}
+
+void SelfMeetings::AddSeams(absl::Span<const std::array<Vec3, 2>> rims) {
+  absl::flat_hash_set<std::array<double, 6>> seen;
+  for (const auto& [from, to] : rims) {
+    const std::array<double, 3> p = {from.x, from.y, from.z}, q = {to.x, to.y, to.z};
+    const auto& [low, high] = std::minmax(p, q);
+    if (seen.insert({low[0], low[1], low[2], high[0], high[1], high[2]}).second) continue;
+    meetings_.push_back({{}, {}, std::array{from, to}});
+  }
 }
 
 bool SelfMeetings::IsAnyWithin(const Vec3& place, double radius) const {

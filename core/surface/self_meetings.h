@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "absl/types/span.h"
 #include "core/geometry/bvh.h"
 #include "core/mesh/triangle_mesh.h"
 
@@ -14,13 +15,17 @@ namespace meshfront {
 // Immutable; safe to read from many threads. Memory: about 250 bytes for each pair of faces that meet.
 class SelfMeetings {
  public:
-  // Vertices at equal positions are one: fans that were parted touch there as they did before. As long as FindSelfIntersections.
-  explicit SelfMeetings(const TriangleMesh& mesh);
+  // Vertices at equal positions are one: fans that were parted touch there as they did before. `rims`: the ends of the mesh's boundary
+  // edges; where two of them coincide sheets were parted along a seam, which is a place where they meet. As long as
+  // FindSelfIntersections.
+  SelfMeetings(const TriangleMesh& mesh, absl::Span<const std::array<Vec3, 2>> rims);
 
   // Whether two faces meet within `radius` of a place. O(log of their number) where they are few.
   bool IsAnyWithin(const Vec3& place, double radius) const;
 
  private:
+  void AddMeetings(const TriangleMesh& mesh);
+  void AddSeams(absl::Span<const std::array<Vec3, 2>> rims);
   struct Meeting {
     std::array<Vec3, 3> a, b;
     std::optional<std::array<Vec3, 2>> stretch;  // none: they only touch, or lie in one plane

@@ -236,6 +236,17 @@ TEST(MeetsItselfNear, IsSaidOfTheStretchNotOfTheFaces) {
   EXPECT_FALSE((*surface)->MeetsItselfNear({0, 0, 0.9}, 0.8));
 }
 
+// Three sheets that shared an edge, which repair gave to each of them.
+TEST(MeetsItselfNear, IsSaidOfASeam) {
+  TriangleMesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0.5, 1, 0}, {1, 0, 0}, {0, 0, 0}, {0.5, -1, 1}};
+  mesh.triangles = {{VertexId(0), VertexId(1), VertexId(2)}, {VertexId(3), VertexId(4), VertexId(5)}};
+  const auto surface = MeshSurface::Create(mesh, Context{});
+  ASSERT_THAT(surface, IsOk());
+  EXPECT_TRUE((*surface)->MeetsItselfNear({0.5, 0.1, 0}, 0.11));
+  EXPECT_FALSE((*surface)->MeetsItselfNear({0.5, 0.5, 0}, 0.4));
+}
+
 // Vertices at one place that are not joined: the fans touch there as they did before they were parted.
 TEST(MeetsItselfNear, IsNotSaidOfFansThatWereParted) {
   TriangleMesh mesh;
