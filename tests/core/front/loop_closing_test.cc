@@ -13,7 +13,7 @@ namespace {
 
 // Two closures have the same area, one of them with a triangle that has next to none.
 TEST(ProposeClosure, TakesATriangleWithoutAreaOnlyWhereThereIsNoOther) {
-  for (const int begin : {0, 1, 2, 3}) {                                        // whichever comes first
+  for (const int begin : {0, 1, 2, 3}) {                                            // whichever comes first
     std::vector<Vec3> places = {{0, 0, 0}, {1, 0.5, 0}, {2, 0, 0}, {1, -1e-9, 0}};  // clockwise: open inside
     std::rotate(places.begin(), places.begin() + begin, places.end());
     const testing::PlaneSurface surface;
