@@ -357,6 +357,7 @@ absl::StatusOr<SizedField> FieldBuilder::Approach(uint64_t count, const Line& li
 
 absl::StatusOr<SizedField> FieldBuilder::BuildForCount(uint64_t count, const Context& context) {
   headroom_ = kThicknessHeadroom;
+  detail_ = 0;
   const double target = static_cast<double>(count);
   const auto is_reached = [&](const SizedField& sized) {
     return std::abs(sized.predicted_triangles / target - 1) <= kReachable;
@@ -377,6 +378,7 @@ absl::StatusOr<SizedField> FieldBuilder::BuildForCount(uint64_t count, const Con
     MESHFRONT_ASSIGN_OR_RETURN(sized, Approach(count, detail));
   }
   if (!is_reached(sized)) return Unreachable(count, sized.predicted_triangles);
+  detail_ = sized.detail;
   return sized;
 }
 

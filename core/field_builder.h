@@ -48,7 +48,7 @@ class FieldBuilder {
   bool HasCloseSheets() const {
     return std::any_of(sheet_distances_.begin(), sheet_distances_.end(), [](double d) { return std::isfinite(d); });
   }
-  // One more sample for the fields that are built from now on, unless the clamp of g forbids it.
+  // One more sample, in the surface's scale, for the fields that are built from now on; no shorter than the clamp of g.
   void AddSample(const SizingSample& sample) {
     added_.push_back({sample.position, std::max(sample.ideal_length, limits_.min_edge)});
   }

@@ -9,16 +9,13 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/attempts.h"
 #include "core/base/exceptions.h"
 #include "core/base/status_macros.h"
-#include "core/features/close_curves.h"
 #include "core/front/advancing_front.h"
-#include "core/geometry/intersection.h"
 #include "core/geometry/triangle.h"
 #include "core/guidance/prediction.h"
 #include "core/guidance/sizing.h"
-#include "core/mesh/holding_sink.h"
-#include "core/mesh/self_intersection.h"
 #include "core/preparation.h"
 
 namespace meshfront {
@@ -27,25 +24,6 @@ namespace {
 constexpr uint64_t kMinTargetTriangles = 4;  // a tetrahedron
 
 using Clock = std::chrono::steady_clock;
-
-// Of the front before it is stopped. Predictions are right to a tenth; what goes so far beyond folds over itself.
-constexpr uint64_t kMaxPerPredicted = 2, kMaxBeyondPredicted = 20000;
-
-// Vertices for each triangle that may be added where the error is largest when a number of triangles is wanted: the maximum is made by
-// few places. As it goes; and in all, counting only what is far beyond the bound from there on.
-constexpr double kInsertionsForCount = 0.005, kMostInsertionsForCount = 0.0185;
-
-// Rims and creases are divided before the front starts, and no roll-back can divide them again. So where they lie close to something so
-// much of the output is held back, for the whole to be made again with shorter edges where it came out wrong.
-constexpr uint64_t kHeldTriangles = 1 << 18;
-// … and as many wherever there are rims: not much more than what the settling window keeps before it lets go of any.
-constexpr uint64_t kHeldInAnyCase = 6000;
-constexpr int kMaxAttempts = 4;
-// Where the front was taken back at place after place all over a large mesh, the ground is rough, and shorter edges make it no better:
-// roll-backs times triangles.
-constexpr double kMostWorkForAnother = 1e7;
-constexpr double kCountTolerance = 0.03;   // of the number of triangles wanted
-constexpr size_t kMaxListedPairs = 20000;  // of an output's intersections, that are looked at
 
 double SecondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -103,13 +81,6 @@ int ThreadsInForce(const Context& context) {
   return context.threads > 0 ? context.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 }
 
-Vec3 LongestAxis(const TriangleMesh& mesh) {
-  const Box3 box = BoundingBox(mesh);
-  const Vec3 extent = box.max - box.min;
-  if (extent.x >= extent.y && extent.x >= extent.z) return {1, 0, 0};
-  return extent.y >= extent.z ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
-}
-
 // Topology of the output from the counts that the front kept: V − E + F with E = (3F + rim) / 2.
 TopologyReport OutputTopology(const FrontReport& front) {
   TopologyReport t;
@@ -128,111 +99,11 @@ TopologyReport OutputTopology(const FrontReport& front) {
   return t;
 }
 
-// What came of one run of the front, and where it is wrong.
-struct Attempt {
-  FrontReport front;
-  std::vector<HeldPiece> pieces;
-  ParametersInForce parameters;
-  double parameter = 0;             // the sizing's, as in Preparation
-  std::vector<Vec3> intersections;  // where it meets itself though the surface does not within the error bound
-
-  size_t faults() const { return front.open_places.size() + intersections.size(); }
-};
-
-Vec3 WhereTheyMeet(const TriangleMesh& mesh, FaceId s, FaceId t) {
-  const auto corner = [&](FaceId f, int i) { return mesh.PositionAt(mesh.triangles[f.index()][i]); };
-  const Vec3 a[3] = {corner(s, 0), corner(s, 1), corner(s, 2)}, b[3] = {corner(t, 0), corner(t, 1), corner(t, 2)};
-  const auto stretch = CommonStretch(a, b);
-  return stretch ? 0.5 * ((*stretch)[0] + (*stretch)[1]) : (a[0] + a[1] + a[2]) / 3.0;
-}
-
-// The settling window compares what it holds at a time; this compares all with all.
-absl::Status FindIntersections(const Preparation& p, const FrontOptions& options, Attempt& attempt,
-                               const Context& context) {
-  TriangleMesh mesh;
-  for (const HeldPiece& piece : attempt.pieces) {
-    for (const OutputVertex& v : piece.vertices) mesh.positions.push_back(v.position);
-    mesh.triangles.insert(mesh.triangles.end(), piece.triangles.begin(), piece.triangles.end());
-  }
-  MESHFRONT_ASSIGN_OR_RETURN(const SelfIntersections found, FindSelfIntersections(mesh, kMaxListedPairs, context));
-  const double bound =
-      std::isfinite(options.max_error) ? options.max_error : options.error_per_length * attempt.front.longest_edge;
-  for (const auto& [s, t] : found.first_pairs) {
-    const Vec3 place = WhereTheyMeet(mesh, s, t);
-    if (!p.surface->MeetsItselfNear(place, bound)) attempt.intersections.push_back(place);
-  }
-  return absl::OkStatus();
-}
-
-FrontOptions FrontOptionsOf(const Preparation& p) {
-  const RemeshOptions& o = p.parameters.options;
-  const auto predicted = static_cast<uint64_t>(std::min(p.predicted_triangles, 1e18));
-  return {.flips = o.flips,
-          .smooth = o.smooth,
-          .fit = o.fit,
-          .error_per_length = o.sizing == Sizing::kAngle ? ErrorPerLength(o.rho) : 1,
-          .predicted_triangles = predicted,
-          .max_triangles = kMaxPerPredicted * predicted + kMaxBeyondPredicted,
-          .sweep = LongestAxis(p.surface->mesh()),
-          .max_error = o.sizing == Sizing::kError ? p.parameter : std::numeric_limits<double>::infinity(),
-          .insertions = p.parameters.target_triangles > 0
-                            ? InsertionLimits{kInsertionsForCount, kMostInsertionsForCount * p.predicted_triangles}
-                            : InsertionLimits{}};
-}
-
-// By how much of what is wanted the number of triangles is off; 0 where none is wanted.
-double CountErrorOf(const Attempt& attempt, uint64_t wanted) {
-  if (wanted == 0) return 0;
-  return std::abs(static_cast<double>(attempt.front.triangles) / static_cast<double>(wanted) - 1);
-}
-
-bool IsBetter(const Attempt& attempt, const Attempt& best, uint64_t wanted) {
-  if (attempt.faults() != best.faults()) return attempt.faults() < best.faults();
-  return CountErrorOf(attempt, wanted) < CountErrorOf(best, wanted);
-}
-
-// The front; and, while nothing of it went on, again: with shorter edges around its faults, and for as many more or fewer triangles as
-// came too few or too many. The best of the attempts.
-absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& p, MeshSink& sink, const Context& context) {
-  const uint64_t limit = DoCurvesLieClose(*p.surface, p.loops) ? kHeldTriangles : kHeldInAnyCase;
-  HoldingSink held(sink, p.loops.empty() ? 0 : limit);
-  const uint64_t wanted = p.parameters.target_triangles;
-  double aim = static_cast<double>(wanted);
-  Attempt best;
-  for (int number = 1;; ++number) {
-    const FrontOptions options = FrontOptionsOf(p);
-    Attempt attempt;
-    MESHFRONT_ASSIGN_OR_RETURN(attempt.front,
-                               AdvanceFront(*p.surface, *p.field, p.loops, p.seeds, options, held, context));
-    attempt.parameters = p.parameters;
-    attempt.parameter = p.parameter;
-    attempt.intersections = attempt.front.spread_intersections;
-    if (held.is_passing()) return attempt;
-    attempt.pieces = held.Take();
-    attempt.intersections.clear();
-    if (p.builder->HasCloseSheets()) MESHFRONT_RETURN_IF_ERROR(FindIntersections(p, options, attempt, context));
-    std::vector<Vec3> places = attempt.front.open_places;
-    places.insert(places.end(), attempt.intersections.begin(), attempt.intersections.end());
-    const bool is_off = CountErrorOf(attempt, wanted) > kCountTolerance && attempt.front.triangles > 0;
-    if (is_off) aim *= static_cast<double>(wanted) / static_cast<double>(attempt.front.triangles);
-    const double work = static_cast<double>(attempt.front.roll_backs) * static_cast<double>(attempt.front.triangles);
-    if (number == 1 || IsBetter(attempt, best, wanted)) best = std::move(attempt);
-    if ((places.empty() && !is_off) || number == kMaxAttempts || work > kMostWorkForAnother) break;
-    const auto count = is_off ? std::optional(static_cast<uint64_t>(std::llround(aim))) : std::nullopt;
-    const absl::Status prepared = PrepareAgain(places, count, p, context);
-    if (absl::IsInvalidArgument(prepared)) break;  // so few, or so many, can't be made
-    MESHFRONT_RETURN_IF_ERROR(prepared);
-  }
-  held.PutBack(std::exchange(best.pieces, {}));
-  MESHFRONT_RETURN_IF_ERROR(held.Release());
-  return best;
-}
-
 // Where the input meets itself, so may the output, but not far from there.
 void WarnOfIntersections(const Attempt& attempt, Report& report) {
   if (attempt.intersections.empty()) return;
-  report.warnings.push_back(absl::StrCat("triangles meet where the input does not within the error bound, in ",
-                                         attempt.intersections.size(), " places near parts of it that meet"));
+  report.warnings.push_back(absl::StrCat(attempt.intersections.size(), " pairs of triangles meet where the input does ",
+                                         "not within the error bound"));
 }
 
 // An empty mesh is no result. The test that refused most says why.

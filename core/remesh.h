@@ -80,7 +80,7 @@ struct StageSeconds {
 struct Report {
   InputReport input;
   ParametersInForce parameters;
-  uint64_t predicted_triangles = 0;
+  uint64_t predicted_triangles = 0;  // before any was made
   double error_bound =
       0;  // eq. 7 with the longest edge and the angle in force, absolute; max_error where that is held constant
   TopologyReport output;
@@ -103,8 +103,9 @@ struct Report {
 // Meshes the problem into the sink. InvalidArgument: bad option or unusable input; FailedPrecondition: the input can't be meshed
 // under this policy (with the places); Cancelled / DeadlineExceeded; the sink's own status when it stops the job. A mesh that
 // could be closed only in part is OK with `complete == false`; one without any triangle is FailedPrecondition.
-// ResourceExhausted: no memory. Deterministic at any thread count. Where there are creases, or rims close to another part (close_curves.h),
-// up to 262,144 triangles are held back, to be made again with shorter edges where they came out wrong; the rest, and all others, come as they settle.
+// ResourceExhausted: no memory. Deterministic at any thread count. Where there are rims or
+// creases, the beginning of the output, or all of it, is held back, to be made again where it came out wrong (attempts.h); else all
+// comes as it settles.
 absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& context);
 
 struct Estimate {

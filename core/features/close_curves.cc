@@ -3,8 +3,10 @@
 #include "core/features/close_curves.h"
 
 #include <algorithm>
+#include <array>
 
 #include "absl/container/flat_hash_set.h"
+#include "core/base/status_macros.h"
 #include "core/features/tolerances.h"
 #include "core/geometry/bvh.h"
 #include "core/geometry/triangle.h"
@@ -12,68 +14,100 @@
 namespace meshfront {
 namespace {
 
+using FaceSet = absl::flat_hash_set<uint32_t>;
+
 struct LoopEdge {
   const SourcePoint* from;
   Vec3 middle;
   double reach;
+  FaceSet around;  // filled when a walk did not arrive
 };
 
-// Whether the faces around the edge, up to a few lengths away, lead to a face. What a walk does not reach may lie behind a notch.
-bool IsJoined(const MeshSurface& surface, const LoopEdge& edge, FaceId wanted) {
-  const double around = kAroundCurve * edge.reach;
+std::array<Vec3, 3> CornersOf(const MeshSurface& surface, uint32_t face) {
+  const Triangle& t = surface.mesh().triangles[face];
+  return {surface.mesh().PositionAt(t[0]), surface.mesh().PositionAt(t[1]), surface.mesh().PositionAt(t[2])};
+}
+
+Vec3 ClosestOn(const std::array<Vec3, 3>& corners, const Vec3& place) {
+  return ClosestPointOnTriangle(place, corners[0], corners[1], corners[2]).position;
+}
+
+// The faces within a few lengths of the edge that lead there from its start. What a walk does not reach may lie behind a notch.
+FaceSet FacesAround(const MeshSurface& surface, const LoopEdge& edge) {
+  FaceSet faces = {edge.from->patch};
   std::vector<uint32_t> queue = {edge.from->patch};
-  absl::flat_hash_set<uint32_t> seen = {edge.from->patch};
-  for (size_t i = 0; i < queue.size() && seen.size() < kMaxFacesAroundCurve; ++i) {
-    const Triangle& t = surface.mesh().triangles[queue[i]];
-    const Vec3 &a = surface.mesh().PositionAt(t[0]), &b = surface.mesh().PositionAt(t[1]),
-               &c = surface.mesh().PositionAt(t[2]);
-    if (Distance(ClosestPointOnTriangle(edge.middle, a, b, c).position, edge.middle) > around) continue;
-    if (queue[i] == wanted.index()) return true;
+  for (size_t i = 0; i < queue.size() && faces.size() < kMaxFacesAroundCurve; ++i) {
+    if (Distance(ClosestOn(CornersOf(surface, queue[i]), edge.middle), edge.middle) > kAroundCurve * edge.reach)
+      continue;
     for (const uint32_t across : surface.adjacency().opposite[queue[i]]) {
-      if (across != kNoHalfEdge && seen.insert(across / 3).second) queue.push_back(across / 3);
+      if (across != kNoHalfEdge && faces.insert(across / 3).second) queue.push_back(across / 3);
     }
   }
-  return false;
+  return faces;
 }
+
+class CloseCurveSearch {
+ public:
+  CloseCurveSearch(const MeshSurface& surface, const std::vector<OrientedLoop>& loops) : surface_(surface) {
+    for (const OrientedLoop& loop : loops) {
+      for (size_t i = 0; i < loop.points.size(); ++i) Add(loop.points[i], loop.points[(i + 1) % loop.points.size()]);
+    }
+  }
+
+  absl::StatusOr<bool> Run(const Context& context) {
+    const TriangleBvh tree(corners_, boxes_);
+    bool is_close = false;
+    for (uint32_t f = 0; f < surface_.mesh().triangles.size() && !is_close; ++f) {
+      if (f % kFacesBetweenChecks == 0) MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
+      const std::array<Vec3, 3> corners = CornersOf(surface_, f);
+      Box3 box;
+      for (const Vec3& p : corners) box.Extend(p);
+      tree.VisitOverlaps(box, [&](FaceId i) {
+        is_close = IsClose(edges_[i.index()], f, corners);
+        return !is_close;
+      });
+    }
+    return is_close;
+  }
+
+ private:
+  void Add(const SourcePoint& a, const SourcePoint& b) {
+    const Vec3 middle = 0.5 * (a.position + b.position);
+    const double reach = kCloseToCurve * Distance(a.position, b.position);
+    const auto first = static_cast<uint32_t>(corners_.size());
+    corners_.push_back(middle - Vec3{reach, reach, reach});
+    corners_.push_back(middle + Vec3{reach, reach, reach});
+    boxes_.push_back({VertexId(first), VertexId(first + 1), VertexId(first + 1)});
+    edges_.push_back({&a, middle, reach, {}});
+  }
+  bool IsClose(LoopEdge& edge, uint32_t face, const std::array<Vec3, 3>& corners) {
+    const Vec3 place = ClosestOn(corners, edge.middle);
+    if (Distance(place, edge.middle) > edge.reach) return false;
+    if (Distance(surface_.Snap(*edge.from, place).position, place) <= kReached * edge.reach) return false;
+    if (edge.around.empty()) {
+      if (faces_looked_at_ > kMaxFacesAroundCurves) return true;
+      edge.around = FacesAround(surface_, edge);
+      faces_looked_at_ += edge.around.size();
+    }
+    return !edge.around.contains(face);
+  }
+
+  const MeshSurface& surface_;
+  std::vector<LoopEdge> edges_;
+  std::vector<Vec3> corners_;  // of the boxes around the edges' middles
+  std::vector<Triangle> boxes_;
+  size_t faces_looked_at_ = 0;
+};
 
 }  // namespace
 
-bool DoCurvesLieClose(const MeshSurface& surface, const std::vector<OrientedLoop>& loops) {
-  std::vector<LoopEdge> edges;
-  std::vector<Vec3> corners;
-  std::vector<Triangle> boxes;
+absl::StatusOr<bool> DoCurvesLieClose(const MeshSurface& surface, const std::vector<OrientedLoop>& loops,
+                                      const Context& context) {
   for (const OrientedLoop& loop : loops) {
     if (std::any_of(loop.creases.begin(), loop.creases.end(), [](bool on_crease) { return on_crease; })) return true;
-    for (size_t i = 0; i < loop.points.size(); ++i) {
-      const SourcePoint &a = loop.points[i], &b = loop.points[(i + 1) % loop.points.size()];
-      const Vec3 middle = 0.5 * (a.position + b.position);
-      const double reach = kCloseToCurve * Distance(a.position, b.position);
-      const auto first = static_cast<uint32_t>(corners.size());
-      corners.push_back(middle - Vec3{reach, reach, reach});
-      corners.push_back(middle + Vec3{reach, reach, reach});
-      boxes.push_back({VertexId(first), VertexId(first + 1), VertexId(first + 1)});
-      edges.push_back({&a, middle, reach});
-    }
   }
-  if (edges.empty()) return false;
-  const TriangleBvh tree(corners, boxes);
-  bool is_close = false;
-  for (uint32_t f = 0; f < surface.mesh().triangles.size() && !is_close; ++f) {
-    const Triangle& t = surface.mesh().triangles[f];
-    const Vec3 &a = surface.mesh().PositionAt(t[0]), &b = surface.mesh().PositionAt(t[1]),
-               &c = surface.mesh().PositionAt(t[2]);
-    Box3 box;
-    for (const Vec3& p : {a, b, c}) box.Extend(p);
-    tree.VisitOverlaps(box, [&](FaceId i) {
-      const LoopEdge& edge = edges[i.index()];
-      const Vec3 place = ClosestPointOnTriangle(edge.middle, a, b, c).position;
-      if (Distance(place, edge.middle) > edge.reach) return true;
-      const Vec3 reached = surface.Snap(*edge.from, place).position;
-      is_close = Distance(reached, place) > kReached * edge.reach && !IsJoined(surface, edge, FaceId(f));
-      return !is_close;
-    });
-  }
-  return is_close;
+  if (loops.empty()) return false;
+  return CloseCurveSearch(surface, loops).Run(context);
 }
 
 }  // namespace meshfront

@@ -97,6 +97,7 @@ inline constexpr double kCloseToCurve = 0.5;
 inline constexpr double kReached = 1e-3;
 // Around an edge of a curve, in parts of kCloseToCurve's length; and faces looked at there.
 inline constexpr double kAroundCurve = 6;
-inline constexpr size_t kMaxFacesAroundCurve = 20000;
+inline constexpr size_t kMaxFacesAroundCurve = 20000, kMaxFacesAroundCurves = 1000000;  // of one, and of all
+inline constexpr uint32_t kFacesBetweenChecks = 1024;
 
 }  // namespace meshfront

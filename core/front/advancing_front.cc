@@ -152,7 +152,7 @@ class AdvancingFront {
   FrontReport Summarise() const;
 
   double ErrorBound(double length) const {
-    return std::isfinite(options_.max_error) ? options_.max_error : options_.error_per_length * length;
+    return std::isfinite(options_.max_error) ? options_.max_error : options_.bound_per_length * length;
   }
   uint32_t NewOrigin() { return labels_.emplace_back(static_cast<uint32_t>(labels_.size())); }
   uint32_t RootOf(uint32_t label) const {
@@ -541,6 +541,7 @@ bool AdvancingFront::CloseLoop(const std::vector<FrontEdgeId>& loop, const Stric
   for (const FrontEdgeId e : loop) v.push_back(fronts_.From(e));
   for (const ClosureStep& s : *steps) {
     const FrontEdgeId base = fronts_.FindEdge(v[s.last], v[s.first]);
+    if (!base.valid()) return true;  // cannot be: the steps come in order
     Connect(base, fronts_.CornerOnLoop(base, v[s.apex]), TriangleKind::kClosing);
   }
   return true;
@@ -679,13 +680,15 @@ bool AdvancingFront::TakeBack(WindowTriangleId t, size_t limit) {
 bool AdvancingFront::Answer(const Fault& fault) {
   const double length = fronts_.at(fronts_.at(fault.triangle).corners[0]).length;
   const double bound = ErrorBound(std::max(length, window_.counts().longest_edge));
-  if (surface_.MeetsItselfNear(fault.place, bound)) {
+  if (surface_.MeetsItselfNear(fault.place, bound, context_)) {
     window_.Excuse(fault.triangle);
     return false;
   }
-  if (surface_.MeetsItselfNear(fault.place, std::max(bound, kOwnIntersectionReach * length))) {
+  if (surface_.MeetsItselfNear(fault.place, std::max(bound, kOwnIntersectionReach * length), context_)) {
     window_.Excuse(fault.triangle);
-    spread_intersections_.push_back(fault.place);
+    const bool is_known =
+        !spread_intersections_.empty() && spread_intersections_.back() == fault.place;  // of its partner
+    if (!is_known) spread_intersections_.push_back(fault.place);
     return false;
   }
   if (TakeBack(fault.triangle, kMaxRollBacksAtAPlace)) return true;
@@ -727,7 +730,7 @@ FrontReport AdvancingFront::Summarise() const {
   report.roll_backs = roll_backs_;
   const double bound = ErrorBound(counts.longest_edge);  // the longest is known by now
   for (const Vec3& place : spread_intersections_) {
-    if (!surface_.MeetsItselfNear(place, bound)) report.spread_intersections.push_back(place);
+    if (!surface_.MeetsItselfNear(place, bound, context_)) report.spread_intersections.push_back(place);
   }
   report.longest_edge = counts.longest_edge;
   report.largest_deviation = counts.largest_deviation;

@@ -24,6 +24,9 @@ struct FrontOptions {
   bool fit = true;     // vertices moved along the normal to fit the surface between them
   double error_per_length =
       1;  // ξ of eq. 6 for the angle in force: the fit keeps each triangle within ξ of its longest edge
+  // The error bound of an edge in parts of its length (eq. 7); where max_error is finite, that bounds all. What the output may be off
+  // where the surface meets itself.
+  double bound_per_length = 1;
   uint64_t predicted_triangles = 0;  // for progress only
   // Beyond so many the fronts fold over what is meshed already: the rest is left open. 0: no limit.
   uint64_t max_triangles = 0;

@@ -449,13 +449,16 @@ std::vector<FrontEdgeId> FrontSet::LoopOf(FrontEdgeId edge) const {
 
 FrontEdgeId FrontSet::FindEdge(WindowVertexId u, WindowVertexId v) const {
   FrontEdgeId e = at(u).first_corner;
-  while (To(e) != v) e = at(e).next_at_vertex;
+  while (e.valid() && To(e) != v) e = at(e).next_at_vertex;
   return e;
 }
 
 FrontEdgeId FrontSet::CornerOnLoop(FrontEdgeId edge, WindowVertexId v) const {
   FrontEdgeId e = edge;
-  while (From(e) != v) e = at(e).next;
+  while (From(e) != v) {
+    e = at(e).next;
+    if (e == edge) return {};
+  }
   return e;
 }
 

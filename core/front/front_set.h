@@ -172,7 +172,7 @@ class FrontSet {
   bool EdgeExists(WindowVertexId u, WindowVertexId v) const;
   // The edges of a loop, from `edge` on in its direction.
   std::vector<FrontEdgeId> LoopOf(FrontEdgeId edge) const;
-  // The front edge from u to v, and on its loop the corner at a vertex. Both must be there.
+  // The front edge from u to v, and on the loop of an edge the corner at a vertex; none where there is none.
   FrontEdgeId FindEdge(WindowVertexId u, WindowVertexId v) const;
   FrontEdgeId CornerOnLoop(FrontEdgeId edge, WindowVertexId v) const;
   // Number of front edges in the loop of `edge`, at most `limit`.

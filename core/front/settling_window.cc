@@ -536,9 +536,7 @@ Vec3 SettlingWindow::WhereTheyMeet(WindowTriangleId s, WindowTriangleId t) const
   const auto place = [&](WindowTriangleId id, int corner) {
     return fronts_.at(fronts_.at(id).corners[corner]).position;
   };
-  const Vec3 a[3] = {place(s, 0), place(s, 1), place(s, 2)}, b[3] = {place(t, 0), place(t, 1), place(t, 2)};
-  const auto stretch = CommonStretch(a, b);
-  return stretch ? 0.5 * ((*stretch)[0] + (*stretch)[1]) : (a[0] + a[1] + a[2]) / 3.0;
+  return PlaceOfMeeting({place(s, 0), place(s, 1), place(s, 2)}, {place(t, 0), place(t, 1), place(t, 2)});
 }
 
 std::vector<Fault> SettlingWindow::Audit() {

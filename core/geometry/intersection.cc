@@ -188,4 +188,9 @@ std::optional<std::array<Vec3, 2>> CommonStretch(const Vec3 (&a)[3], const Vec3 
   return ends;
 }
 
+Vec3 PlaceOfMeeting(const Vec3 (&a)[3], const Vec3 (&b)[3]) {
+  const auto stretch = CommonStretch(a, b);
+  return stretch ? 0.5 * ((*stretch)[0] + (*stretch)[1]) : (a[0] + a[1] + a[2]) / 3.0;
+}
+
 }  // namespace meshfront

@@ -26,6 +26,8 @@ bool TrianglesIntersect(const Vec3 (&a)[3], const Vec3 (&b)[3], const SharedCorn
 // Where two triangles that intersect do so, rounded: the ends of the stretch that they have in common. Nothing where they lie in one
 // plane, or only touch.
 std::optional<std::array<Vec3, 2>> CommonStretch(const Vec3 (&a)[3], const Vec3 (&b)[3]);
+// A point to name the place by: the middle of that stretch, or the centroid of the first triangle where there is none.
+Vec3 PlaceOfMeeting(const Vec3 (&a)[3], const Vec3 (&b)[3]);
 
 // Whether the closed segment pq and the closed triangle have a point in common; a triangle without area has none.
 bool SegmentMeetsTriangle(const Vec3& p, const Vec3& q, const Vec3 (&triangle)[3]);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "core/mesh/mesh_sink.h"
@@ -27,6 +28,8 @@ class HoldingSink : public MeshSink {
   HoldingSink(MeshSink& next, uint64_t limit) : next_(next), limit_(limit) {}
 
   absl::Status Append(const MeshPiece& piece) override;
+  // From now on holds everything, until it is released.
+  void HoldAll() { limit_ = std::numeric_limits<uint64_t>::max(); }
   // Whether something went on: it can't be taken back.
   bool is_passing() const { return is_passing_; }
   // What is held, and no longer is afterwards: to be made again, or put back.
@@ -37,7 +40,7 @@ class HoldingSink : public MeshSink {
 
  private:
   MeshSink& next_;
-  const uint64_t limit_;
+  uint64_t limit_;
   uint64_t triangles_ = 0;  // held
   bool is_passing_ = false;
   std::vector<HeldPiece> pieces_;

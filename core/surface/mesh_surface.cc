@@ -200,14 +200,14 @@ bool MeshSurface::FindFarPlaces(const SourcePoint& start, const std::array<Vec3,
   return shadow.is_whole;
 }
 
-bool MeshSurface::MeetsItselfNear(const Vec3& place, double radius) const {
-  std::call_once(meetings_once_, [this] {
+bool MeshSurface::MeetsItselfNear(const Vec3& place, double radius, const Context& context) const {
+  std::call_once(meetings_once_, [this, &context] {
     std::vector<std::array<Vec3, 2>> rims;
     for (uint32_t h = 0; h < 3 * mesh_.triangles.size(); ++h) {
       if (adjacency_.OppositeOf(h) == kNoHalfEdge && AcrossCrease(h) == kNoHalfEdge)
         rims.push_back({mesh_.PositionAt(OriginOf(mesh_, h)), mesh_.PositionAt(TargetOf(mesh_, h))});
     }
-    meetings_ = std::make_unique<SelfMeetings>(mesh_, rims);
+    meetings_ = std::make_unique<SelfMeetings>(mesh_, rims, context);
   });
   return meetings_->IsAnyWithin(place, radius);
 }

@@ -117,7 +117,7 @@ class MeshSurface final : public Surface {
   bool FindFarPlaces(const SourcePoint& start, const std::array<Vec3, 3>& triangle, double bound, double beside,
                      std::vector<FarPlace>& far) const override;
   // Finds all places where it does at the first call, as long as the index takes; then fast.
-  bool MeetsItselfNear(const Vec3& place, double radius) const override;
+  bool MeetsItselfNear(const Vec3& place, double radius, const Context& context) const override;
 
  private:
   MeshSurface(TriangleMesh mesh, FaceAdjacency adjacency);

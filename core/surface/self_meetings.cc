@@ -20,8 +20,9 @@ bool IsWithin(const Vec3& place, double radius, const std::array<Vec3, 3>& trian
 
 }  // namespace
 
-SelfMeetings::SelfMeetings(const TriangleMesh& mesh, absl::Span<const std::array<Vec3, 2>> rims) {
-  AddMeetings(mesh);
+SelfMeetings::SelfMeetings(const TriangleMesh& mesh, absl::Span<const std::array<Vec3, 2>> rims,
+                           const Context& context) {
+  AddMeetings(mesh, context);
   AddSeams(rims);
   for (const Meeting& m : meetings_) {
     const auto first = static_cast<uint32_t>(positions_.size());
@@ -34,9 +35,10 @@ SelfMeetings::SelfMeetings(const TriangleMesh& mesh, absl::Span<const std::array
   if (!triangles_.empty()) tree_ = std::make_unique<TriangleBvh>(positions_, triangles_);
 }
 
-void SelfMeetings::AddMeetings(const TriangleMesh& mesh) {
-  const auto found = FindSelfIntersections(mesh, surface_tolerances::kMaxSelfMeetings, Context{});
-  if (!found.ok()) return;  // an index out of range, which a surface does not have
+void SelfMeetings::AddMeetings(const TriangleMesh& mesh, const Context& context) {
+  const auto found = FindSelfIntersections(mesh, surface_tolerances::kMaxSelfMeetings, context);
+  if (!found.ok()) return;  // stopped: no index of a surface is out of range
+  is_complete_ = found->pairs <= found->first_pairs.size();
   for (const auto& [f, g] : found->first_pairs) {
     const auto corner = [&](FaceId face, int i) { return mesh.PositionAt(mesh.triangles[face.index()][i]); };
     const Vec3 a[3] = {corner(f, 0), corner(f, 1), corner(f, 2)}, b[3] = {corner(g, 0), corner(g, 1), corner(g, 2)};
@@ -55,6 +57,7 @@ void SelfMeetings::AddSeams(absl::Span<const std::array<Vec3, 2>> rims) {
 }
 
 bool SelfMeetings::IsAnyWithin(const Vec3& place, double radius) const {
+  if (!is_complete_) return true;
   if (tree_ == nullptr) return false;
   bool is_any = false;
   const Vec3 reach{radius, radius, radius};

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/types/span.h"
+#include "core/base/context.h"
 #include "core/geometry/vec3.h"
 
 namespace meshfront {
@@ -89,9 +90,9 @@ class Surface {
   }
 
   // Whether the surface itself passes through or touches itself within `radius` of a place: there a mesh of it may do the same.
-  // Asked rarely. Surfaces that can't tell say no.
-  virtual bool MeetsItselfNear(const Vec3& place, double radius) const {
-    static_cast<void>(place), static_cast<void>(radius);
+  // Asked rarely; the context may stop what the first answer needs, which then is yes. Surfaces that can't tell say no.
+  virtual bool MeetsItselfNear(const Vec3& place, double radius, const Context& context) const {
+    static_cast<void>(place), static_cast<void>(radius), static_cast<void>(context);
     return false;
   }
 };

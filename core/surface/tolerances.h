@@ -57,7 +57,7 @@ inline constexpr size_t kMaxFacesAtAPoint = 64;
 // Faces looked at over one triangle.
 inline constexpr size_t kMaxShadowFaces = 4096;
 
-// Pairs of faces that meet which are remembered with their places: beyond, a mesh is more knot than surface.
-inline constexpr size_t kMaxSelfMeetings = 1000000;
+// Pairs of faces that meet which are remembered with their places, 50 MB: beyond, a mesh is more knot than surface.
+inline constexpr size_t kMaxSelfMeetings = 200000;
 
 }  // namespace meshfront::surface_tolerances

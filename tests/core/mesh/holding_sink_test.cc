@@ -93,6 +93,17 @@ TEST(HoldingSink, ForgetsWhatIsTakenAndCountsAnew) {
   EXPECT_EQ(next.collected.mesh.positions[0].x, 1);
 }
 
+TEST(HoldingSink, HoldsAllOnceItIsToldTo) {
+  NotingSink next;
+  HoldingSink held(next, 10);
+  EXPECT_THAT(Append(held, 8), IsOk());
+  held.Take();
+  held.HoldAll();
+  EXPECT_THAT(Append(held, 80), IsOk());
+  EXPECT_THAT(next.sizes, IsEmpty());
+  EXPECT_FALSE(held.is_passing());
+}
+
 TEST(HoldingSink, HandsTheNextOnesErrorOn) {
   NotingSink next;
   next.accepted = 1;

@@ -1,5 +1,6 @@
 #include "core/surface/crease_cut.h"
 
+#include <atomic>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -217,10 +218,10 @@ TEST(CreasedSurface, MeasuresTheWholeThatAPatchIsAPartOf) {
 TEST(CreasedSurface, DoesNotMeetItselfAlongItsCreases) {
   const auto cube = CreasedSurfaceOf(testing::Cube(4));
   for (const Vec3& place : {Vec3{1, 1, 1}, {1, 1, 0}, {1, 0.25, -1}, {1, 0, 0}})
-    EXPECT_FALSE(cube->MeetsItselfNear(place, 0.4));
+    EXPECT_FALSE(cube->MeetsItselfNear(place, 0.4, Context{}));
   const auto crossed =
       CreasedSurfaceOf(testing::Joined(testing::Cube(4), testing::Moved(testing::Cube(4), {0.6, 0.7, 0.8})));
-  EXPECT_TRUE(crossed->MeetsItselfNear({1, -0.3, 0.4}, 0.4)) << "where another box passes through";
+  EXPECT_TRUE(crossed->MeetsItselfNear({1, -0.3, 0.4}, 0.4, Context{})) << "where another box passes through";
 }
 
 // Two large faces that cross: only near the stretch along which they do.
@@ -230,10 +231,11 @@ TEST(MeetsItselfNear, IsSaidOfTheStretchNotOfTheFaces) {
   mesh.triangles = {{VertexId(0), VertexId(1), VertexId(2)}, {VertexId(3), VertexId(4), VertexId(5)}};
   const auto surface = MeshSurface::Create(mesh, Context{});
   ASSERT_THAT(surface, IsOk());
-  EXPECT_TRUE((*surface)->MeetsItselfNear({0.1, 0.2, 0}, 0.2));
-  EXPECT_TRUE((*surface)->MeetsItselfNear({0, 0, 0.9}, 0.95));
-  EXPECT_FALSE((*surface)->MeetsItselfNear({0.3, 0.2, 0}, 0.2)) << "in the box around both, beside the stretch";
-  EXPECT_FALSE((*surface)->MeetsItselfNear({0, 0, 0.9}, 0.8));
+  EXPECT_TRUE((*surface)->MeetsItselfNear({0.1, 0.2, 0}, 0.2, Context{}));
+  EXPECT_TRUE((*surface)->MeetsItselfNear({0, 0, 0.9}, 0.95, Context{}));
+  EXPECT_FALSE((*surface)->MeetsItselfNear({0.3, 0.2, 0}, 0.2, Context{}))
+      << "in the box around both, beside the stretch";
+  EXPECT_FALSE((*surface)->MeetsItselfNear({0, 0, 0.9}, 0.8, Context{}));
 }
 
 // Three sheets that shared an edge, which repair gave to each of them.
@@ -243,8 +245,17 @@ TEST(MeetsItselfNear, IsSaidOfASeam) {
   mesh.triangles = {{VertexId(0), VertexId(1), VertexId(2)}, {VertexId(3), VertexId(4), VertexId(5)}};
   const auto surface = MeshSurface::Create(mesh, Context{});
   ASSERT_THAT(surface, IsOk());
-  EXPECT_TRUE((*surface)->MeetsItselfNear({0.5, 0.1, 0}, 0.11));
-  EXPECT_FALSE((*surface)->MeetsItselfNear({0.5, 0.5, 0}, 0.4));
+  EXPECT_TRUE((*surface)->MeetsItselfNear({0.5, 0.1, 0}, 0.11, Context{}));
+  EXPECT_FALSE((*surface)->MeetsItselfNear({0.5, 0.5, 0}, 0.4, Context{}));
+}
+
+// The index is made at the first question; when the job is stopped the answer no longer matters, and must come at once.
+TEST(MeetsItselfNear, IsSaidWhenTheJobIsStopped) {
+  const auto surface = CreasedSurfaceOf(testing::Cube(4));
+  const std::atomic<bool> stop = true;
+  Context context;
+  context.stop = &stop;
+  EXPECT_TRUE(surface->MeetsItselfNear({1, 1, 1}, 0.4, context));
 }
 
 // Vertices at one place that are not joined: the fans touch there as they did before they were parted.
@@ -254,7 +265,7 @@ TEST(MeetsItselfNear, IsNotSaidOfFansThatWereParted) {
   mesh.triangles = {{VertexId(0), VertexId(1), VertexId(2)}, {VertexId(3), VertexId(4), VertexId(5)}};
   const auto surface = MeshSurface::Create(mesh, Context{});
   ASSERT_THAT(surface, IsOk());
-  EXPECT_FALSE((*surface)->MeetsItselfNear({0, 0, 0}, 0.5));
+  EXPECT_FALSE((*surface)->MeetsItselfNear({0, 0, 0}, 0.5, Context{}));
 }
 
 // The distances that the samples at the vertices carry, with the same ideal length everywhere.

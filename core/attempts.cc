@@ -1,0 +1,158 @@
+// 1. the limit up to which the result is held    2. the front    3. its faults: open places, and where it meets itself
+// 4. the best attempt so far is kept             5. field and fronts again, finer or for another count; back to 2
+// Rims and creases are divided before the front starts, and no roll-back can divide them again: an edge of them that is too long for
+// what lies close by is only mended so.
+#include "core/attempts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "core/base/status_macros.h"
+#include "core/features/close_curves.h"
+#include "core/geometry/intersection.h"
+#include "core/guidance/sizing.h"
+#include "core/mesh/self_intersection.h"
+
+namespace meshfront {
+namespace {
+
+// Of the front before it is stopped. Predictions are right to a tenth; what goes so far beyond folds over itself.
+constexpr uint64_t kMaxPerPredicted = 2, kMaxBeyondPredicted = 20000;
+
+// Vertices for each triangle that may be added where the error is largest when a number of triangles is wanted: the maximum is made by
+// few places. As it goes; and in all, counting only what is far beyond the bound from there on.
+constexpr double kInsertionsForCount = 0.005, kMostInsertionsForCount = 0.0185;
+
+constexpr uint64_t kHeldTriangles = 1 << 18;
+// Where there are rims at all: not much more than what the settling window keeps before it lets go of any.
+constexpr uint64_t kHeldInAnyCase = 6000;
+constexpr int kMaxAttempts = 4;
+// Where the front was taken back at place after place all over a large mesh, the ground is rough, and shorter edges make it no better:
+// roll-backs times triangles.
+constexpr double kMostWorkForAnother = 1e7;
+constexpr double kCountPromise = 0.03;     // of the number of triangles wanted
+constexpr size_t kMaxListedPairs = 20000;  // of an output's intersections, that are looked at
+
+Vec3 LongestAxis(const TriangleMesh& mesh) {
+  const Box3 box = BoundingBox(mesh);
+  const Vec3 extent = box.max - box.min;
+  if (extent.x >= extent.y && extent.x >= extent.z) return {1, 0, 0};
+  return extent.y >= extent.z ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
+}
+
+// The error bound of an edge in parts of its length; with a uniform length, of that length where the surface is bent most.
+double BoundPerLength(const Preparation& p) {
+  const double length = p.parameters.options.sizing == Sizing::kUniform ? p.parameter : 1;
+  const auto curvatures = p.surface->vertex_curvatures();
+  const double peak = curvatures.empty() ? 0 : *std::max_element(curvatures.begin(), curvatures.end());
+  return ErrorBoundInForce(p, length, peak) / length;
+}
+
+FrontOptions FrontOptionsOf(const Preparation& p) {
+  const RemeshOptions& o = p.parameters.options;
+  const auto predicted = static_cast<uint64_t>(std::min(p.predicted_triangles, 1e18));
+  return {.flips = o.flips,
+          .smooth = o.smooth,
+          .fit = o.fit,
+          .error_per_length = o.sizing == Sizing::kAngle ? ErrorPerLength(o.rho) : 1,
+          .bound_per_length = BoundPerLength(p),
+          .predicted_triangles = predicted,
+          .max_triangles = kMaxPerPredicted * predicted + kMaxBeyondPredicted,
+          .sweep = LongestAxis(p.surface->mesh()),
+          .max_error = o.sizing == Sizing::kError ? p.parameter : std::numeric_limits<double>::infinity(),
+          .insertions = p.parameters.target_triangles > 0
+                            ? InsertionLimits{kInsertionsForCount, kMostInsertionsForCount * p.predicted_triangles}
+                            : InsertionLimits{}};
+}
+
+uint64_t HeldLimit(const Preparation& p, bool is_close) {
+  if (p.loops.empty()) return 0;
+  return is_close ? kHeldTriangles : kHeldInAnyCase;
+}
+
+// The settling window compares what it holds at a time; this compares all with all.
+absl::Status FindIntersections(const Preparation& p, const FrontOptions& options, Attempt& attempt,
+                               const Context& context) {
+  TriangleMesh mesh;
+  for (const HeldPiece& piece : attempt.pieces) {
+    for (const OutputVertex& v : piece.vertices) mesh.positions.push_back(v.position);
+    mesh.triangles.insert(mesh.triangles.end(), piece.triangles.begin(), piece.triangles.end());
+  }
+  MESHFRONT_ASSIGN_OR_RETURN(const SelfIntersections found, FindSelfIntersections(mesh, kMaxListedPairs, context));
+  const double bound =
+      std::isfinite(options.max_error) ? options.max_error : options.bound_per_length * attempt.front.longest_edge;
+  attempt.intersections.clear();
+  for (const auto& [f, g] : found.first_pairs) {
+    const Triangle &s = mesh.triangles[f.index()], &t = mesh.triangles[g.index()];
+    const Vec3 place = PlaceOfMeeting({mesh.PositionAt(s[0]), mesh.PositionAt(s[1]), mesh.PositionAt(s[2])},
+                                      {mesh.PositionAt(t[0]), mesh.PositionAt(t[1]), mesh.PositionAt(t[2])});
+    if (!p.surface->MeetsItselfNear(place, bound, context)) attempt.intersections.push_back(place);
+  }
+  return context.CheckStop();
+}
+
+absl::StatusOr<Attempt> MakeAttempt(const Preparation& p, HoldingSink& held, const Context& context) {
+  const FrontOptions options = FrontOptionsOf(p);
+  Attempt attempt;
+  MESHFRONT_ASSIGN_OR_RETURN(attempt.front,
+                             AdvanceFront(*p.surface, *p.field, p.loops, p.seeds, options, held, context));
+  attempt.parameters = p.parameters;
+  attempt.parameter = p.parameter;
+  attempt.intersections = attempt.front.spread_intersections;
+  if (held.is_passing()) return attempt;
+  attempt.pieces = held.Take();
+  if (p.builder->HasCloseSheets()) MESHFRONT_RETURN_IF_ERROR(FindIntersections(p, options, attempt, context));
+  return attempt;
+}
+
+// By how much of what is wanted the number of triangles is off; 0 where none is wanted.
+double CountErrorOf(const Attempt& attempt, uint64_t wanted) {
+  if (wanted == 0) return 0;
+  return std::abs(static_cast<double>(attempt.front.triangles) / static_cast<double>(wanted) - 1);
+}
+
+bool IsBetter(const Attempt& attempt, const Attempt& best, uint64_t wanted) {
+  if (attempt.faults() != best.faults()) return attempt.faults() < best.faults();
+  return CountErrorOf(attempt, wanted) < CountErrorOf(best, wanted);
+}
+
+// What the next one is to be predicted for: as many as this one was, corrected by what came of it.
+std::optional<uint64_t> NextCount(const Preparation& p, const Attempt& attempt, uint64_t wanted) {
+  if (wanted == 0 || attempt.front.triangles == 0) return std::nullopt;
+  const double ratio = CountErrorOf(attempt, wanted) > kCountPromise
+                           ? static_cast<double>(wanted) / static_cast<double>(attempt.front.triangles)
+                           : 1;
+  return static_cast<uint64_t>(std::llround(p.predicted_triangles * ratio));
+}
+
+}  // namespace
+
+absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& p, MeshSink& sink, const Context& context) {
+  MESHFRONT_ASSIGN_OR_RETURN(const bool is_close, DoCurvesLieClose(*p.surface, p.loops, context));
+  HoldingSink held(sink, HeldLimit(p, is_close));
+  const uint64_t wanted = p.parameters.target_triangles;
+  Attempt best;
+  for (int number = 1;; ++number) {
+    MESHFRONT_ASSIGN_OR_RETURN(Attempt attempt, MakeAttempt(p, held, context));
+    if (held.is_passing()) return attempt;
+    held.HoldAll();  // the next may be larger, and worse: at most what max_triangles allows
+    std::vector<Vec3> places = attempt.front.open_places;
+    places.insert(places.end(), attempt.intersections.begin(), attempt.intersections.end());
+    const bool is_off = CountErrorOf(attempt, wanted) > kCountPromise;
+    const double work = static_cast<double>(attempt.front.roll_backs) * static_cast<double>(attempt.front.triangles);
+    const std::optional<uint64_t> count = NextCount(p, attempt, wanted);
+    if (number == 1 || IsBetter(attempt, best, wanted)) best = std::move(attempt);
+    if ((places.empty() && !is_off) || number == kMaxAttempts || work > kMostWorkForAnother) break;
+    const absl::Status prepared = PrepareAgain(places, count, p, context);
+    if (absl::IsInvalidArgument(prepared)) break;  // so few, or so many, can't be made
+    MESHFRONT_RETURN_IF_ERROR(prepared);
+  }
+  held.PutBack(std::exchange(best.pieces, {}));
+  MESHFRONT_RETURN_IF_ERROR(held.Release());
+  return best;
+}
+
+}  // namespace meshfront

@@ -1,0 +1,34 @@
+// The front, and what is made again where it came out wrong.
+#pragma once
+
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/base/context.h"
+#include "core/front/advancing_front.h"
+#include "core/mesh/holding_sink.h"
+#include "core/mesh/mesh_sink.h"
+#include "core/preparation.h"
+
+namespace meshfront {
+
+// What came of one run of the front, and where it is wrong. In the surface's scale.
+struct Attempt {
+  FrontReport front;
+  ParametersInForce parameters;
+  double parameter = 0;  // the sizing's, as in Preparation
+  std::vector<Vec3>
+      intersections;  // where it meets itself though the surface does not within the error bound, one a pair
+  std::vector<HeldPiece> pieces;  // what was held of it; none afterwards
+
+  size_t faults() const { return front.open_places.size() + intersections.size(); }
+};
+
+// Advances the fronts of a preparation into the sink, as AdvanceFront does, with its errors. Results with creases, or with rims that
+// lie close to something (close_curves.h), are held back up to 262,144 triangles, those with other rims up to 6,000. While nothing went
+// on they are made again, at most three times: with edges half as long around the faults, and for as many more or fewer triangles as
+// came too few or too many when a number was wanted (off by more than 3 %). The attempt with the fewest faults goes on, of equals the
+// one nearest to the count. Progress begins anew with each. Changes the preparation.
+absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& preparation, MeshSink& sink, const Context& context);
+
+}  // namespace meshfront
