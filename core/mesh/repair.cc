@@ -6,7 +6,7 @@
 //    (DropNeedlesAndLooseCaps), duplicates go (DropDuplicates); the rest is paired edge by edge, oriented, welded and
 //    given one vertex a fan (MakeOrientedManifold); caps inside are turned (FlipCaps); closed components that face
 //    inwards are reversed (TurnOutwards).
-// 3. DropUnreferenced.
+// 3. DropUnreferencedVertices.
 // Rejected: one pass; what a dropped face opens may let others be joined.
 #include "core/mesh/repair.h"
 
@@ -15,6 +15,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status_macros.h"
+#include "core/mesh/mesh_edits.h"
 #include "core/mesh/repair_degenerate.h"
 #include "core/mesh/repair_outside.h"
 #include "core/mesh/repair_pairing.h"
@@ -55,28 +56,6 @@ uint64_t CountUnreferenced(const TriangleMesh& mesh) {
 
 bool HasUnreferenced(const FaceAdjacency& adjacency) {
   return std::find(adjacency.outgoing.begin(), adjacency.outgoing.end(), kNoHalfEdge) != adjacency.outgoing.end();
-}
-
-void DropUnreferenced(TriangleMesh& mesh, FaceAdjacency& adjacency) {
-  std::vector<uint32_t> new_id(mesh.positions.size(), 0);
-  for (const Triangle& t : mesh.triangles) {
-    for (const VertexId v : t) new_id[v.index()] = 1;
-  }
-  const bool has_normals = mesh.normals.size() == mesh.positions.size();
-  uint32_t count = 0;
-  for (uint32_t v = 0; v < new_id.size(); ++v) {
-    if (new_id[v] == 0) continue;
-    mesh.positions[count] = mesh.positions[v];
-    adjacency.outgoing[count] = adjacency.outgoing[v];
-    if (has_normals) mesh.normals[count] = mesh.normals[v];
-    new_id[v] = count++;
-  }
-  mesh.positions.resize(count);
-  adjacency.outgoing.resize(count);
-  if (has_normals) mesh.normals.resize(count);
-  for (Triangle& t : mesh.triangles) {
-    for (VertexId& v : t) v = VertexId(new_id[v.index()]);
-  }
 }
 
 // Faces of which no surface can be made, by kind.
@@ -225,7 +204,7 @@ absl::StatusOr<RepairResult> RepairMesh(TriangleMesh mesh, const Context& contex
         absl::StrCat("nothing is left of the mesh's ", triangles, " triangles after repair"));
   }
   actions.Add("unreferenced_vertices", unreferenced);
-  if (HasUnreferenced(*adjacency)) DropUnreferenced(mesh, *adjacency);
+  if (HasUnreferenced(*adjacency)) DropUnreferencedVertices(mesh, *adjacency);
   return RepairResult{std::move(mesh), actions.Take(), *std::move(adjacency)};
 }
 

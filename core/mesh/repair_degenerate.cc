@@ -6,6 +6,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "core/mesh/adjacency.h"
+#include "core/mesh/mesh_edits.h"
 #include "core/mesh/repair_survey.h"
 #include "core/mesh/tolerances.h"
 
@@ -90,11 +91,7 @@ bool IsLoose(const TriangleMesh& mesh, const SideCounts& counts, uint32_t f) {
   return rims >= 2 || counts.At(LongestSide(mesh, f)) == 1;
 }
 
-//            w                        w
-//     u ─────┴───── v   (a cap)    u ┬┴┬ v      Side u → v of f becomes side d → w: f = (u, d, w), g = (d, v, w).
-//       \         /           ->    \ │ /
-//        \   g   /                   \│/
-//            d                        d
+// A cap's long side is flipped (FlipEdge has the drawing).
 class CapFlipper {
  public:
   explicit CapFlipper(TriangleMesh& mesh) : mesh_(mesh), adjacency_(CreateAdjacency(mesh)) {}
@@ -132,21 +129,8 @@ class CapFlipper {
         !IsGood(right, mesh_.triangles[FaceOfHalfEdge(g)]) || AreNeighbours(h, d)) {
       return false;
     }
-    const uint32_t f0 = 3 * FaceOfHalfEdge(h), g0 = 3 * FaceOfHalfEdge(g);
-    const uint32_t across_vw = adjacency_.OppositeOf(NextHalfEdge(h)),
-                   across_wu = adjacency_.OppositeOf(PreviousHalfEdge(h));
-    const uint32_t across_ud = adjacency_.OppositeOf(NextHalfEdge(g)),
-                   across_dv = adjacency_.OppositeOf(PreviousHalfEdge(g));
-    mesh_.triangles[f0 / 3] = left;
-    mesh_.triangles[g0 / 3] = right;
-    Link(f0, across_ud), Link(f0 + 1, g0 + 2), Link(f0 + 2, across_wu);
-    Link(g0, across_dv), Link(g0 + 1, across_vw);
+    FlipEdge(mesh_, adjacency_, h);
     return true;
-  }
-
-  void Link(uint32_t h, uint32_t g) {
-    adjacency_.opposite[h / 3][h % 3] = g;
-    if (g != kNoHalfEdge) adjacency_.opposite[g / 3][g % 3] = h;
   }
 
   bool IsGood(const Triangle& t, const Triangle& like) const {

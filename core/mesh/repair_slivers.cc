@@ -16,6 +16,7 @@
 #include <optional>
 
 #include "core/geometry/triangle.h"
+#include "core/mesh/mesh_edits.h"
 #include "core/mesh/repair_survey.h"
 #include "core/mesh/tolerances.h"
 
@@ -24,26 +25,6 @@ namespace {
 
 constexpr int kVisitsPerFace = 8;    // a sliver is looked at again when a neighbour has changed, so often at most
 constexpr size_t kLongestFan = 256;  // around a vertex; where there are more faces, nothing is done
-
-void DropUnusedVertices(TriangleMesh& mesh) {
-  std::vector<uint32_t> new_id(mesh.positions.size(), 0);
-  for (const Triangle& t : mesh.triangles) {
-    for (const VertexId v : t) new_id[v.index()] = 1;
-  }
-  const bool has_normals = mesh.normals.size() == mesh.positions.size();
-  uint32_t count = 0;
-  for (uint32_t v = 0; v < new_id.size(); ++v) {
-    if (new_id[v] == 0) continue;
-    mesh.positions[count] = mesh.positions[v];
-    if (has_normals) mesh.normals[count] = mesh.normals[v];
-    new_id[v] = count++;
-  }
-  mesh.positions.resize(count);
-  if (has_normals) mesh.normals.resize(count);
-  for (Triangle& t : mesh.triangles) {
-    for (VertexId& v : t) v = VertexId(new_id[v.index()]);
-  }
-}
 
 class SliverMender {
  public:
@@ -142,10 +123,6 @@ class SliverMender {
   bool NeighboursOf(uint32_t h, std::vector<uint32_t>& neighbours) const;
   bool KeepsTopology(uint32_t h) const;
   void Move(uint32_t h);
-  void Link(uint32_t h, uint32_t g) {
-    if (h != kNoHalfEdge) adjacency_.opposite[h / 3][h % 3] = g;
-    if (g != kNoHalfEdge) adjacency_.opposite[g / 3][g % 3] = h;
-  }
   void LookAgain(uint32_t f) {
     pending_.push_back(f);
     for (const uint32_t o : adjacency_.opposite[f]) {
@@ -189,15 +166,10 @@ double SliverMender::Deviation(uint32_t h) const {
   return std::min(above, std::abs(Dot(c, n)) / std::sqrt(n2));
 }
 
-//            w                        w
-//     u ─────┴───── v   (f, a cap)  u ┬┴┬ v      Side u → v of f becomes side d → w: f = (u, d, w), g = (d, v, w).
-//       \         /           ->    \ │ /
-//        \   g   /                   \│/
-//            d                        d
+// The side of a cap f (FlipEdge has the drawing), unless the surface would move too far or turn over.
 bool SliverMender::Flip(uint32_t h) {
   const uint32_t g = adjacency_.OppositeOf(h);
   if (g == kNoHalfEdge) return false;
-  const uint32_t f0 = 3 * (h / 3), g0 = 3 * (g / 3);
   const VertexId u = OriginOf(mesh_, h), v = TargetOf(mesh_, h), w = VertexId(Apex(h)), d = VertexId(Apex(g));
   if (w == d) return false;
   const Shape cap = ShapeOf(CornersOf(mesh_.triangles[h / 3])), across = ShapeOf(CornersOf(mesh_.triangles[g / 3]));
@@ -217,20 +189,14 @@ bool SliverMender::Flip(uint32_t h) {
   if (!NeighboursOf(PreviousHalfEdge(h), neighbours) ||
       std::find(neighbours.begin(), neighbours.end(), d.index()) != neighbours.end())
     return false;
-  const uint32_t across_vw = adjacency_.OppositeOf(NextHalfEdge(h)),
-                 across_wu = adjacency_.OppositeOf(PreviousHalfEdge(h));
-  const uint32_t across_ud = adjacency_.OppositeOf(NextHalfEdge(g)),
-                 across_dv = adjacency_.OppositeOf(PreviousHalfEdge(g));
-  mesh_.triangles[f0 / 3] = left;
-  mesh_.triangles[g0 / 3] = right;
-  Link(f0, across_ud), Link(f0 + 1, g0 + 2), Link(f0 + 2, across_wu);
-  Link(g0, across_dv), Link(g0 + 1, across_vw);
-  moved_[f0 / 3] = moved_[g0 / 3] = moved;
-  LookAgain(f0 / 3), LookAgain(g0 / 3);
+  FlipEdge(mesh_, adjacency_, h);
+  moved_[h / 3] = moved_[g / 3] = moved;
+  LookAgain(h / 3), LookAgain(g / 3);
   return true;
 }
 
-// The half-edges that leave the origin of h, from h on; false when it lies on the rim or has too many.
+// The half-edges that leave the origin of h, from h on; false when it lies on the rim or has too many. Not by VisitOutgoing: flips and
+// collapses do not keep `outgoing`, which that begins with, and it has no bound.
 bool SliverMender::Fan(uint32_t h, std::vector<uint32_t>& fan) const {
   fan.clear();
   uint32_t at = h;
@@ -332,7 +298,7 @@ void SliverMender::Move(uint32_t h) {
   vertex_moved_[to.index()] = std::max(Moved(to), vertex_moved_[Origin(h)] + moved);
   for (const uint32_t e : fan) mesh_.triangles[e / 3][e % 3] = to;
   for (const uint32_t side : {h, g}) {
-    Link(adjacency_.OppositeOf(NextHalfEdge(side)), adjacency_.OppositeOf(PreviousHalfEdge(side)));
+    LinkHalfEdges(adjacency_, adjacency_.OppositeOf(NextHalfEdge(side)), adjacency_.OppositeOf(PreviousHalfEdge(side)));
     moved_[side / 3] = -1;
   }
   for (const uint32_t e : fan) {
@@ -346,8 +312,8 @@ void SliverMender::Finish() {
     if (!IsGone(static_cast<uint32_t>(f))) mesh_.triangles[kept++] = mesh_.triangles[f];
   }
   mesh_.triangles.resize(kept);
-  DropUnusedVertices(mesh_);
   adjacency_ = CreateAdjacency(mesh_);
+  DropUnreferencedVertices(mesh_, adjacency_);
 }
 
 }  // namespace
