@@ -6,10 +6,8 @@
 // Rejected: the threshold alone. A scan of 100,000 triangles has 12,000 edges beyond 40°, and 500 places that they close around.
 #include "core/features/creases.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <initializer_list>
 #include <utility>
 
 #include "core/base/status_macros.h"
@@ -51,7 +49,7 @@ class CreaseFinder {
   void FindFaceNormals();
   void SmoothHairs();
   bool IsHair(uint32_t f, double highest) const;
-  uint32_t LongestOf(std::initializer_list<uint32_t> sides) const;
+  uint32_t LongerBeside(uint32_t h) const;
   uint32_t BesideHair(uint32_t h, double highest) const;
   bool MarkSharp();
   void BridgeGaps();
@@ -88,21 +86,13 @@ void CreaseFinder::FindFaceNormals() {
   std::vector<uint32_t> slivers;
   for (uint32_t f = 0; f < n; ++f) {
     const Triangle& t = mesh_.triangles[f];
-    const Vec3 area = AreaVector(mesh_.PositionAt(t[0]), mesh_.PositionAt(t[1]), mesh_.PositionAt(t[2]));
-    double longest2 = 0;
-    for (int i = 0; i < 3; ++i)
-      longest2 = std::max(longest2, SquaredDistance(mesh_.PositionAt(t[i]), mesh_.PositionAt(t[(i + 1) % 3])));
+    const Vec3 &a = mesh_.PositionAt(t[0]), &b = mesh_.PositionAt(t[1]), &c = mesh_.PositionAt(t[2]);
+    const Vec3 area = AreaVector(a, b, c);
     normals_[f] = Normalized(area);
-    if (Norm(area) < kSliverHeight * longest2) slivers.push_back(f);
+    if (Norm(area) < kSliverHeight * SquaredLongestSide(a, b, c)) slivers.push_back(f);
   }
   for (const uint32_t f : slivers) {
-    const Triangle& t = mesh_.triangles[f];
-    int longest = 0;
-    const auto length2 = [&](int i) {
-      return SquaredDistance(mesh_.PositionAt(t[i]), mesh_.PositionAt(t[(i + 1) % 3]));
-    };
-    for (int i = 1; i < 3; ++i) longest = length2(i) > length2(longest) ? i : longest;
-    const uint32_t across = adjacency_.opposite[f][longest];
+    const uint32_t across = adjacency_.OppositeOf(LongestSide(mesh_, f));
     if (across != kNoHalfEdge) normals_[f] = normals_[across / 3];
   }
 }
@@ -110,14 +100,15 @@ void CreaseFinder::FindFaceNormals() {
 bool CreaseFinder::IsHair(uint32_t f, double highest) const {
   const Triangle& t = mesh_.triangles[f];
   const Vec3 &a = mesh_.PositionAt(t[0]), &b = mesh_.PositionAt(t[1]), &c = mesh_.PositionAt(t[2]);
-  const double longest2 = std::max({SquaredDistance(a, b), SquaredDistance(b, c), SquaredDistance(c, a)});
+  const double longest2 = SquaredLongestSide(a, b, c);
   const double area2 = SquaredNorm(AreaVector(a, b, c));  // aspect² · longest⁴ = height² · longest²
   return area2 < kHairAspect * kHairAspect * longest2 * longest2 && area2 < highest * highest * longest2;
 }
 
-uint32_t CreaseFinder::LongestOf(std::initializer_list<uint32_t> sides) const {
-  const auto length2 = [&](uint32_t h) { return SquaredDistance(Place(Origin(h)), Place(Target(h))); };
-  return *std::max_element(sides.begin(), sides.end(), [&](uint32_t a, uint32_t b) { return length2(a) < length2(b); });
+// Of the two other sides of its face.
+uint32_t CreaseFinder::LongerBeside(uint32_t h) const {
+  const uint32_t next = NextHalfEdge(h), previous = PreviousHalfEdge(h);
+  return SquaredLength(mesh_, previous) > SquaredLength(mesh_, next) ? previous : next;
 }
 
 // The face across side h of a hair; where that is a hair itself, the one across its longer other side, and so on.
@@ -125,7 +116,7 @@ uint32_t CreaseFinder::BesideHair(uint32_t h, double highest) const {
   for (int step = 0; step < kMaxHairs; ++step) {
     h = adjacency_.OppositeOf(h);
     if (h == kNoHalfEdge || !IsHair(h / 3, highest)) break;
-    h = LongestOf({NextHalfEdge(h), PreviousHalfEdge(h)});
+    h = LongerBeside(h);
   }
   return h == kNoHalfEdge || IsHair(h / 3, highest) ? kNoHalfEdge : h / 3;
 }
@@ -139,9 +130,8 @@ void CreaseFinder::SmoothHairs() {
   std::vector<std::pair<uint32_t, Vec3>> smooth;
   for (uint32_t f = 0; f < mesh_.triangles.size(); ++f) {
     if (!IsHair(f, highest)) continue;
-    const uint32_t h = LongestOf({3 * f, 3 * f + 1, 3 * f + 2});
-    const uint32_t a = BesideHair(h, highest),
-                   b = BesideHair(LongestOf({NextHalfEdge(h), PreviousHalfEdge(h)}), highest);
+    const uint32_t h = LongestSide(mesh_, f);
+    const uint32_t a = BesideHair(h, highest), b = BesideHair(LongerBeside(h), highest);
     if (a == kNoHalfEdge || b == kNoHalfEdge || Dot(normals_[a], normals_[b]) < weak_cosine_) continue;
     smooth.emplace_back(f, Normalized(normals_[a] + normals_[b]));
   }

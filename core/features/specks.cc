@@ -5,7 +5,6 @@
 // the front then runs over itself.
 #include "core/features/specks.h"
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -63,7 +62,7 @@ class SpeckFinder {
   Vec3 DirectionOf(uint32_t h) const {
     return Normalized(mesh_.PositionAt(TargetOf(mesh_, h)) - mesh_.PositionAt(OriginOf(mesh_, h)));
   }
-  double LongestSide(uint32_t f) const;
+  double LongestLength(uint32_t f) const { return std::sqrt(SquaredLength(mesh_, LongestSide(mesh_, f))); }
   void LabelPatches();
   void LabelClusters();
   void MeasureFaces();
@@ -80,14 +79,6 @@ class SpeckFinder {
   std::vector<uint32_t> sizes_;  // of each patch, in faces
   std::map<uint32_t, Cluster> clusters_;
 };
-
-double SpeckFinder::LongestSide(uint32_t f) const {
-  const Triangle& t = mesh_.triangles[f];
-  double longest2 = 0;
-  for (int i = 0; i < 3; ++i)
-    longest2 = std::max(longest2, SquaredDistance(mesh_.PositionAt(t[i]), mesh_.PositionAt(t[(i + 1) % 3])));
-  return std::sqrt(longest2);
-}
 
 void SpeckFinder::LabelPatches() {
   FaceAdjacency cut{adjacency_.opposite, {}};
@@ -114,14 +105,14 @@ void SpeckFinder::MeasureFaces() {
     if (IsLarge(f)) continue;
     Cluster& c = clusters_[cluster_of_.label[f]];
     ++c.faces;
-    c.length += LongestSide(f);
+    c.length += LongestLength(f);
     for (const VertexId v : mesh_.triangles[f]) c.box.Extend(mesh_.PositionAt(v));
     for (const uint32_t across : adjacency_.opposite[f]) {
       if (across == kNoHalfEdge || !IsLarge(across / 3)) continue;
       const uint32_t sea = patches_.label[across / 3];
       c.is_inside = c.is_inside && (c.sides_around == 0 || c.sea == sea);
       c.sea = sea;
-      c.length_around += LongestSide(across / 3);
+      c.length_around += LongestLength(across / 3);
       ++c.sides_around;
     }
   }

@@ -1,6 +1,8 @@
 // Measures and closest points of one triangle.
 #pragma once
 
+#include <algorithm>
+
 #include "core/geometry/vec3.h"
 
 namespace meshfront {
@@ -8,6 +10,9 @@ namespace meshfront {
 // Twice the area times the unit normal, right-handed around a, b, c.
 constexpr Vec3 AreaVector(const Vec3& a, const Vec3& b, const Vec3& c) { return Cross(b - a, c - a); }
 inline double TriangleArea(const Vec3& a, const Vec3& b, const Vec3& c) { return 0.5 * Norm(AreaVector(a, b, c)); }
+constexpr double SquaredLongestSide(const Vec3& a, const Vec3& b, const Vec3& c) {
+  return std::max({SquaredDistance(a, b), SquaredDistance(b, c), SquaredDistance(c, a)});
+}
 // Radius ratio q = 2r/R = 16 A² / (abc (a + b + c)): 1 equilateral, 0 degenerate.
 double RadiusRatio(const Vec3& a, const Vec3& b, const Vec3& c);
 // The same from the squares of the sides and of twice the area.

@@ -54,9 +54,7 @@ class Integrator {
   // `depth`: of further splits, at most. `checks`: < 0: none; else of the parts that the next `checks` splits make each is checked,
   // of those of further splits the one in the middle.
   Integrals Over(const Corner& a, const Corner& b, const Corner& c, int depth, int checks) const {
-    const double longest =
-        std::sqrt(std::max({SquaredDistance(a.position, b.position), SquaredDistance(b.position, c.position),
-                            SquaredDistance(c.position, a.position)}));
+    const double longest = std::sqrt(SquaredLongestSide(a.position, b.position, c.position));
     if (depth == 0 || longest <= kSplitRatio * std::min({a.g, b.g, c.g})) return OverLeaf(a, b, c, checks >= 0);
     const Corner ab = Middle(a, b), bc = Middle(b, c), ca = Middle(c, a);
     const int outer = checks > 0 ? checks - 1 : -1, inner = checks > 0 ? checks - 1 : checks;

@@ -47,6 +47,21 @@ void VisitOutgoing(const FaceAdjacency& adjacency, uint32_t v, Visit&& visit) {
 inline VertexId OriginOf(const TriangleMesh& mesh, uint32_t h) { return mesh.triangles[h / 3][h % 3]; }
 inline VertexId TargetOf(const TriangleMesh& mesh, uint32_t h) { return OriginOf(mesh, NextHalfEdge(h)); }
 
+inline double SquaredLength(const TriangleMesh& mesh, uint32_t h) {
+  return SquaredDistance(mesh.PositionAt(OriginOf(mesh, h)), mesh.PositionAt(TargetOf(mesh, h)));
+}
+// The half-edge along the longest and the shortest side of face f; of sides of one length the first.
+inline uint32_t LongestSide(const TriangleMesh& mesh, uint32_t f) {
+  const double s0 = SquaredLength(mesh, 3 * f), s1 = SquaredLength(mesh, 3 * f + 1),
+               s2 = SquaredLength(mesh, 3 * f + 2);
+  return 3 * f + (s0 >= s1 && s0 >= s2 ? 0 : s1 >= s2 ? 1 : 2);
+}
+inline uint32_t ShortestSide(const TriangleMesh& mesh, uint32_t f) {
+  const double s0 = SquaredLength(mesh, 3 * f), s1 = SquaredLength(mesh, 3 * f + 1),
+               s2 = SquaredLength(mesh, 3 * f + 2);
+  return 3 * f + (s0 <= s1 && s0 <= s2 ? 0 : s1 <= s2 ? 1 : 2);
+}
+
 // Calls visit(VertexId) for each vertex that shares an edge with v, counter-clockwise.
 template <class Visit>
 void VisitNeighbours(const TriangleMesh& mesh, const FaceAdjacency& adjacency, uint32_t v, Visit&& visit) {

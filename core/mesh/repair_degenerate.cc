@@ -24,18 +24,6 @@ std::vector<uint32_t> ZeroAreaFaces(const TriangleMesh& mesh) {
   return faces;
 }
 
-double SquaredSide(const TriangleMesh& mesh, uint32_t h) {
-  return SquaredDistance(mesh.PositionAt(OriginOf(mesh, h)), mesh.PositionAt(TargetOf(mesh, h)));
-}
-uint32_t LongestSide(const TriangleMesh& mesh, uint32_t f) {
-  const double s0 = SquaredSide(mesh, 3 * f), s1 = SquaredSide(mesh, 3 * f + 1), s2 = SquaredSide(mesh, 3 * f + 2);
-  return 3 * f + (s0 >= s1 && s0 >= s2 ? 0 : s1 >= s2 ? 1 : 2);
-}
-uint32_t ShortestSide(const TriangleMesh& mesh, uint32_t f) {
-  const double s0 = SquaredSide(mesh, 3 * f), s1 = SquaredSide(mesh, 3 * f + 1), s2 = SquaredSide(mesh, 3 * f + 2);
-  return 3 * f + (s0 <= s1 && s0 <= s2 ? 0 : s1 <= s2 ? 1 : 2);
-}
-
 void RemoveFaces(TriangleMesh& mesh, const std::vector<bool>& dropped) {
   size_t kept = 0;
   for (size_t f = 0; f < mesh.triangles.size(); ++f) {
@@ -185,7 +173,7 @@ uint64_t DropNeedlesAndLooseCaps(TriangleMesh& mesh) {
   const auto drop = [&](uint32_t f) { dropped[f] = true, ++count; };
   for (const uint32_t f : faces) {
     const uint32_t h = ShortestSide(mesh, f);
-    if (SquaredSide(mesh, h) > kZeroSideRatio * kZeroSideRatio * SquaredSide(mesh, LongestSide(mesh, f))) continue;
+    if (SquaredLength(mesh, h) > kZeroSideRatio * kZeroSideRatio * SquaredLength(mesh, LongestSide(mesh, f))) continue;
     const VertexId kept = std::min(OriginOf(mesh, h), TargetOf(mesh, h)),
                    moved = std::max(OriginOf(mesh, h), TargetOf(mesh, h));
     mesh.positions[moved.index()] = mesh.positions[kept.index()];

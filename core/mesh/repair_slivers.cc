@@ -43,9 +43,9 @@ class SliverMender {
       const uint32_t f = pending_.front();
       pending_.pop_front();
       if (IsGone(f) || !IsWrong(f) || IsWall(f) || ++visits_[f] > kVisitsPerFace) continue;
-      if (Collapse(ShortestSide(f))) {
+      if (Collapse(ShortestSide(mesh_, f))) {
         ++changes_.collapsed_needles;
-      } else if (Flip(LongestSide(f)) || Flip(MiddleSide(f))) {
+      } else if (Flip(LongestSide(mesh_, f)) || Flip(MiddleSide(f))) {
         ++changes_.flipped_caps;
       }
     }
@@ -67,8 +67,7 @@ class SliverMender {
   }
   static Shape ShapeOf(const Corners& c) {
     const Vec3 area = AreaVector(c[0], c[1], c[2]);
-    return {std::max({SquaredDistance(c[0], c[1]), SquaredDistance(c[1], c[2]), SquaredDistance(c[2], c[0])}),
-            Norm(area), area};
+    return {SquaredLongestSide(c[0], c[1], c[2]), Norm(area), area};
   }
   bool IsSliver(const Shape& s) const {
     return s.doubled_area < kSliverAspect * s.longest2 && s.Height() <= kFlapReaches * reach_;
@@ -98,21 +97,7 @@ class SliverMender {
 
   uint32_t Origin(uint32_t h) const { return OriginOf(mesh_, h).index(); }
   uint32_t Apex(uint32_t h) const { return Origin(PreviousHalfEdge(h)); }
-  double SquaredSide(uint32_t h) const {
-    return SquaredDistance(mesh_.PositionAt(OriginOf(mesh_, h)), mesh_.PositionAt(TargetOf(mesh_, h)));
-  }
-  uint32_t LongestSide(uint32_t f) const {
-    uint32_t best = 3 * f;
-    for (uint32_t h = 3 * f + 1; h < 3 * f + 3; ++h) best = SquaredSide(h) > SquaredSide(best) ? h : best;
-    return best;
-  }
-  uint32_t ShortestSide(uint32_t f) const {
-    uint32_t best = 3 * f;
-    for (uint32_t h = 3 * f + 1; h < 3 * f + 3; ++h) best = SquaredSide(h) < SquaredSide(best) ? h : best;
-    return best;
-  }
-
-  uint32_t MiddleSide(uint32_t f) const { return 9 * f + 3 - LongestSide(f) - ShortestSide(f); }
+  uint32_t MiddleSide(uint32_t f) const { return 9 * f + 3 - LongestSide(mesh_, f) - ShortestSide(mesh_, f); }
 
   double Deviation(uint32_t h) const;
   bool Flip(uint32_t h);
@@ -143,7 +128,7 @@ class SliverMender {
 
 // The wall of a sheet that is thinner than that: its two sides look away from each other.
 bool SliverMender::IsWall(uint32_t f) const {
-  const uint32_t a = adjacency_.OppositeOf(LongestSide(f)), b = adjacency_.OppositeOf(MiddleSide(f));
+  const uint32_t a = adjacency_.OppositeOf(LongestSide(mesh_, f)), b = adjacency_.OppositeOf(MiddleSide(f));
   if (a == kNoHalfEdge || b == kNoHalfEdge || IsSliver(mesh_.triangles[a / 3]) || IsSliver(mesh_.triangles[b / 3]))
     return false;
   return Dot(NormalOf(a / 3), NormalOf(b / 3)) < kWallCosine;
@@ -281,7 +266,7 @@ bool SliverMender::Collapse(uint32_t h) {
   const uint32_t g = adjacency_.OppositeOf(h);
   if (g == kNoHalfEdge) return false;
   const double most = (IsSliver(mesh_.triangles[g / 3]) ? kStepReaches : 1) * reach_;
-  if (SquaredSide(h) > most * most) return false;
+  if (SquaredLength(mesh_, h) > most * most) return false;
   const std::optional<double> one = CostOfMoving(h), other = CostOfMoving(g);
   if ((!one && !other) || !KeepsTopology(h)) return false;
   Move(one && (!other || *one <= *other) ? h : g);

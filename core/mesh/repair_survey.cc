@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
+#include "core/geometry/triangle.h"
 #include "core/mesh/tolerances.h"
 
 namespace meshfront {
@@ -25,11 +26,6 @@ bool HasPillow(const FaceAdjacency& adjacency) {
     }
   }
   return false;
-}
-
-double SquaredLongestSide(const TriangleMesh& mesh, const Triangle& t) {
-  const Vec3 &a = mesh.PositionAt(t[0]), &b = mesh.PositionAt(t[1]), &c = mesh.PositionAt(t[2]);
-  return std::max({SquaredDistance(a, b), SquaredDistance(b, c), SquaredDistance(c, a)});
 }
 
 }  // namespace
@@ -69,7 +65,7 @@ MeshSurvey Survey(const TriangleMesh& mesh) {
     out.unsound_faces += state != FaceState::kSound;
     if (state != FaceState::kSound && state != FaceState::kZeroArea) continue;
     for (const VertexId v : t) out.box.Extend(mesh.PositionAt(v));
-    const double side2 = SquaredLongestSide(mesh, t);
+    const double side2 = SquaredLongestSide(mesh.PositionAt(t[0]), mesh.PositionAt(t[1]), mesh.PositionAt(t[2]));
     longest2 = std::max(longest2, side2);
     if (f % stride == 0) sample.push_back(side2);
   }

@@ -46,6 +46,13 @@ TEST(Triangle, NeedlesKeepTheirRadiusRatioFromEveryCorner) {
     EXPECT_NEAR(q / 2e-9, 1, 1e-6);
 }
 
+TEST(Triangle, SquaredLongestSideIsTheSameFromEveryCorner) {
+  const Vec3 a{0, 0, 0}, b{3, 0, 0}, c{0, 4, 0};
+  EXPECT_EQ(SquaredLongestSide(a, b, c), 25);
+  EXPECT_EQ(SquaredLongestSide(b, c, a), 25);
+  EXPECT_EQ(SquaredLongestSide(c, a, b), 25);
+}
+
 TEST(Triangle, MinAngleIsTheSmallestOfThree) {
   EXPECT_NEAR(MinAngle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}), std::numbers::pi / 4, 1e-15);
   EXPECT_NEAR(MinAngle({0, 0, 0}, {std::sqrt(3.0), 0, 0}, {0, 1, 0}), std::numbers::pi / 6, 1e-15);

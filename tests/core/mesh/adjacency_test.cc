@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 
 #include "tests/core/mesh/mesh_shapes.h"
@@ -89,6 +90,17 @@ TEST(Adjacency, RefusesThreeFacesAtAnEdgeFlippedFacesAndRepeatedIndices) {
 TEST(Adjacency, UnusedVerticesHaveNoOutgoingHalfEdge) {
   const TriangleMesh mesh = shapes::MeshOf({{0, 0, 0}, {9, 9, 9}, {1, 0, 0}, {0, 1, 0}}, {{0, 2, 3}});
   EXPECT_EQ(CreateAdjacency(mesh).outgoing[1], kNoHalfEdge);
+}
+
+// A right triangle with sides 3, 5 and 4, and one with sides 1, 2, 2.
+TEST(Sides, TheLongestAndTheShortestAreTheFirstOfTheirLength) {
+  const TriangleMesh mesh = shapes::MeshOf(
+      {{0, 0, 0}, {3, 0, 0}, {0, 4, 0}, {9, 0, 0}, {10, 0, 0}, {9.5, std::sqrt(3.75), 0}}, {{0, 1, 2}, {3, 4, 5}});
+  EXPECT_EQ(SquaredLength(mesh, 1), 25);
+  EXPECT_EQ(LongestSide(mesh, 0), 1u);
+  EXPECT_EQ(ShortestSide(mesh, 0), 0u);
+  EXPECT_EQ(LongestSide(mesh, 1), 4u);
+  EXPECT_EQ(ShortestSide(mesh, 1), 3u);
 }
 
 TEST(Adjacency, HalfEdgesByEdgeGroupsEqualEdges) {
