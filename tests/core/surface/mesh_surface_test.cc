@@ -4,21 +4,15 @@
 #include <limits>
 
 #include "core/surface/vertex_normals.h"
+#include "tests/core/surface/surfaces.h"
 #include "tests/support/matchers.h"
 #include "tests/support/shapes.h"
 
 namespace meshfront {
 namespace {
 
-using testing::IsOk;
 using testing::StatusIs;
-
-std::unique_ptr<MeshSurface> SurfaceOf(TriangleMesh mesh) {
-  auto surface = MeshSurface::Create(std::move(mesh), Context{});
-  EXPECT_THAT(surface, IsOk());
-  EXPECT_THAT((*surface)->ComputeCurvature(Context{}), IsOk());
-  return *std::move(surface);
-}
+using testing::SurfaceOf;
 
 // The point of the surface closest to p, from the vertex closest to p.
 SourcePoint Near(const MeshSurface& surface, const Vec3& p) {

@@ -3,22 +3,16 @@
 #include "core/surface/mesh_surface.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "tests/support/matchers.h"
+#include "tests/core/surface/surfaces.h"
 #include "tests/support/shapes.h"
 
 namespace meshfront {
 namespace {
 
 using meshfront::testing::HeightField;
-using meshfront::testing::IsOk;
 using meshfront::testing::Sheet;
+using meshfront::testing::SurfaceOf;
 using ::testing::IsEmpty;
-
-std::unique_ptr<MeshSurface> SurfaceOf(TriangleMesh mesh) {
-  auto surface = MeshSurface::Create(std::move(mesh), Context{});
-  EXPECT_THAT(surface, IsOk());
-  return *std::move(surface);
-}
 
 struct Found {
   std::vector<FarPlace> far;

@@ -7,20 +7,13 @@
 
 #include "core/geometry/triangle.h"
 #include "core/surface/mesh_surface.h"
-#include "tests/support/matchers.h"
+#include "tests/core/surface/surfaces.h"
 #include "tests/support/shapes.h"
 
 namespace meshfront {
 namespace {
 
-using testing::IsOk;
-
-std::unique_ptr<MeshSurface> SurfaceOf(TriangleMesh mesh) {
-  auto surface = MeshSurface::Create(std::move(mesh), Context{});
-  EXPECT_THAT(surface, IsOk());
-  EXPECT_THAT((*surface)->ComputeCurvature(Context{}), IsOk());
-  return *std::move(surface);
-}
+using testing::SurfaceOf;
 
 // A surface under test with places on it to start from.
 struct Case {

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "core/surface/mesh_surface.h"
+#include "tests/core/surface/surfaces.h"
 #include "tests/support/matchers.h"
 #include "tests/support/shapes.h"
 
@@ -9,13 +10,7 @@ namespace meshfront {
 namespace {
 
 using testing::IsOk;
-
-std::unique_ptr<MeshSurface> SurfaceOf(TriangleMesh mesh) {
-  auto surface = MeshSurface::Create(std::move(mesh), Context{});
-  EXPECT_THAT(surface, IsOk());
-  EXPECT_THAT((*surface)->ComputeCurvature(Context{}), IsOk());
-  return *std::move(surface);
-}
+using testing::SurfaceOf;
 
 // With the same ideal length everywhere.
 std::vector<CurvatureSample> Samples(const MeshSurface& surface, double length, bool with_thickness = true) {

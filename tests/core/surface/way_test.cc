@@ -6,7 +6,7 @@
 #include "core/surface/mesh_surface.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "tests/support/matchers.h"
+#include "tests/core/surface/surfaces.h"
 #include "tests/support/shapes.h"
 
 namespace meshfront {
@@ -14,17 +14,11 @@ namespace {
 
 using meshfront::testing::HeightField;
 using meshfront::testing::Icosphere;
-using meshfront::testing::IsOk;
 using meshfront::testing::Sheet;
+using meshfront::testing::SurfaceOf;
 using meshfront::testing::Torus;
 using meshfront::testing::WithNoise;
 using ::testing::IsEmpty;
-
-std::unique_ptr<MeshSurface> SurfaceOf(TriangleMesh mesh) {
-  auto surface = MeshSurface::Create(std::move(mesh), Context{});
-  EXPECT_THAT(surface, IsOk());
-  return *std::move(surface);
-}
 
 // From one end to the other without a gap, each piece in its face, each face next to the last. Empty: it is.
 std::string FaultOf(const MeshSurface& surface, const SourcePoint& a, const SourcePoint& b,
