@@ -31,10 +31,11 @@ constexpr double kLeastPerInputEdge = 0.5;
 // it is 0.75, with a quarter more triangles; at 2.5, 0.6 and up to a tenth fewer …
 constexpr double kEdgePerWidth = 2.25;
 // … where that is at least this part of what else is wanted there. Narrower strips matter the less the narrower they are: edges as short
-// as a hair along all of it would be thousands, and somewhat longer ones make needles anyway.
+// as their widths would be thousands, and somewhat longer ones make needles anyway.
 constexpr double kLeastForWidth = 1.0 / 16;
-// A strip narrower than this part of its component's diagonal is not seen, but would be the finest place of the mesh.
-constexpr double kHairOfDiagonal = 2e-3;
+// No edge is sized by a strip narrower than this part of its component's diagonal: it is not seen, but would be the finest place of
+// the mesh.
+constexpr double kNarrowestWidth = 2e-3;
 constexpr double kCountTolerance = 0.004;  // an eighth of what is promised of the real count
 constexpr double kReachable = 0.01;        // farther from the count than this, at the end of the range, it is refused
 constexpr int kMaxSteps = 24;
@@ -171,7 +172,7 @@ absl::Status FieldBuilder::MeasureWidths(const Context& context) {
   std::vector<WidthRange> ranges;
   for (const double diagonal : surface_.whole_diagonals()) {
     const double longest = limits_.max_edge_given ? kInfinity : kMaxEdgePerComponent * diagonal;
-    ranges.push_back({kHairOfDiagonal * diagonal, std::min(longest, limits_.max_edge) / (limits_.eta * kEdgePerWidth)});
+    ranges.push_back({kNarrowestWidth * diagonal, std::min(longest, limits_.max_edge) / (limits_.eta * kEdgePerWidth)});
   }
   MESHFRONT_ASSIGN_OR_RETURN(widths_, MeasurePatchWidths(surface_, ranges, context));
   return absl::OkStatus();

@@ -66,7 +66,7 @@ inline constexpr int kMaxWidthFaces = 256;  // faces that a line across a patch 
 inline constexpr double kWeakCrease = 0.5;
 inline constexpr int kMaxBridge = 6;                // … so many of them
 inline constexpr double kBridgeStraightness = 0.7;  // … each within 45° of the one before (cosine)
-// A face lower than this part of its longest side squared has no normal of its own.
+// A face lower than this part of its longest side has no normal of its own, whatever the diagonal.
 inline constexpr double kSliverHeight = 1e-4;
 // A hair is a face lower than this part of its longest side and of the diagonal; chains of so many are looked through.
 inline constexpr double kHairAspect = 0.1;
