@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/exceptions.h"
 #include "core/base/status_macros.h"
 #include "core/features/boundary.h"
 #include "core/features/creases.h"
@@ -187,7 +188,7 @@ double ErrorBoundInForce(const Preparation& p, double length, double max_curvatu
   return length * ErrorPerLength(p.parameters.options.rho);
 }
 
-absl::StatusOr<RepairResult> RepairInput(TriangleMesh mesh, const RemeshOptions& options, const Context& context) {
+absl::StatusOr<RepairResult> RepairInput(TriangleMesh mesh, const RemeshOptions& options, const Context& context) try {
   MESHFRONT_ASSIGN_OR_RETURN(RepairResult result, RepairMesh(std::move(mesh), context));
   if (!options.repair || !options.crease_angle) return result;
   const double diagonal = BoundingBox(result.mesh).Diagonal(), scale = ScaleFor(diagonal);
@@ -200,6 +201,8 @@ absl::StatusOr<RepairResult> RepairInput(TriangleMesh mesh, const RemeshOptions&
                                 .status());
   if (scale != 1) multiply(1 / scale);
   return result;
+} catch (const std::exception&) {
+  return StatusOfException();
 }
 
 absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {

@@ -49,7 +49,9 @@ struct RemeshOptions {
 absl::Status ValidateOptions(const RemeshOptions& options);
 
 // The mesh as Remesh meshes it where options.repair is set: RepairMesh, then slivers are mended whose sides would be taken for creases
-// (repair_slivers.h), by at most 2e-4 of the diagonal and a quarter of max_error. Errors of RepairMesh.
+// (repair_slivers.h), by at most 2e-4 of the diagonal and, where it is set, a quarter of max_error. Repairs also where options.repair is
+// false, but leaves slivers alone then, and always without crease_angle, as there are no creases. `options` must be valid. Errors of
+// RepairMesh; ResourceExhausted: no memory. Stops with the context; deterministic.
 absl::StatusOr<RepairResult> RepairInput(TriangleMesh mesh, const RemeshOptions& options, const Context& context);
 
 struct Problem {

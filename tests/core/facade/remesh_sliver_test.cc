@@ -1,6 +1,7 @@
 // Inputs with slivers, whose normals say nothing, come out as those without.
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "core/remesh.h"
 #include "tests/support/checking_sink.h"
@@ -66,6 +67,22 @@ TEST(RemeshWithSlivers, RepairInputIsWhatIsMeshed) {
   const Report report = RemeshOrFail(CubeWithCaps(4, 1e-4), {}), again = RemeshOrFail(repaired->mesh, {});
   EXPECT_EQ(report.output.triangles, again.output.triangles);
   EXPECT_THAT(again.input.repairs, IsEmpty());
+}
+
+// A face the wrong way round beside the caps.
+TEST(RemeshWithSlivers, RepairInputLeavesThemWithoutCreasesAndWithoutLeave) {
+  TriangleMesh input = CubeWithCaps(4, 1e-4);
+  std::swap(input.triangles[0][1], input.triangles[0][2]);
+  RemeshOptions smooth, off;
+  smooth.crease_angle.reset();
+  off.repair = false;
+  for (const RemeshOptions& options : {smooth, off}) {
+    const auto repaired = RepairInput(input, options, Context{});
+    ASSERT_THAT(repaired, IsOk());
+    EXPECT_EQ(CountOf(repaired->actions, "reversed_faces"), 1u);
+    EXPECT_EQ(CountOf(repaired->actions, "flipped_caps"), 0u);
+    EXPECT_EQ(repaired->mesh.triangles.size(), input.triangles.size());
+  }
 }
 
 }  // namespace
