@@ -1,4 +1,4 @@
-// Whether rims and creases pass close to what they are not joined to.
+// Whether rims and creases pass close to what they are not joined to. Ours, not the paper's (core/README.md, step 9 of the walk).
 #pragma once
 
 #include <vector>

@@ -1,4 +1,5 @@
 // How narrow the patches between creases and rims are: a strip narrower than an edge can only be filled with needles.
+// Ours, not the paper's (core/README.md, "Edges know how wide their patch is").
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,5 @@
-// Ways over a mesh: where the plane through two of its points, upright on the surface, cuts it.
+// Ways over a mesh: where the plane through two of its points, upright on the surface, cuts it. Ours, for ground that is too
+// rough for the paper's fences (sec. 3.4) to tell.
 #pragma once
 
 #include <vector>
