@@ -1,27 +1,15 @@
 """The quality of every triangle, 2r/R, of a PLY that meshfront wrote; and the box of its vertices."""
-import array
 import collections
 import math
-import struct
+import pathlib
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "corpus"))
+import intersections
 
 BINS = 200
 # worst, half_percentile, median: as in the paper's Table 1. share: of the triangles in each of BINS equal steps of 2r/R. box: two corners.
 Quality = collections.namedtuple("Quality", "triangles worst half_percentile median bins box")
-
-
-def read_ply(path):
-    """(points, iterator of triangles)"""
-    data = path.read_bytes()
-    begin = data.index(b"end_header\n") + len(b"end_header\n")
-    header = data[:begin].decode("ascii").splitlines()
-    sizes = {line.split()[1]: int(line.split()[2]) for line in header if line.startswith("element ")}
-    properties = [line.split()[1:] for line in header if line.startswith("property ")]
-    if properties[:3] != [["double", axis] for axis in "xyz"] or properties[3][0] != "list" or len(properties) != 4:
-        raise ValueError(f"{path.name} has more than coordinates of double precision and triangles")
-    middle = begin + 24 * sizes["vertex"]
-    numbers = array.array("d", data[begin:middle])
-    points = list(zip(numbers[0::3], numbers[1::3], numbers[2::3]))
-    return points, struct.iter_unpack("<xiii", data[middle:middle + 13 * sizes["face"]])
 
 
 def radius_ratio(p, q, r):
@@ -40,7 +28,7 @@ def percentile(ordered, share):
 
 
 def quality_of(path):
-    points, triangles = read_ply(path)
+    points, triangles = intersections.read_parts(path)
     ordered = sorted(radius_ratio(points[a], points[b], points[c]) for a, b, c in triangles)
     if not ordered:
         raise ValueError(f"{path.name} has no triangles")
