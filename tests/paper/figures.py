@@ -59,7 +59,7 @@ class Table1(Part):
 
     def section(self, laboratory, rows):
         head = ["model", "rho", "in, paper", "in, here", "out, paper", "out, here", "error, paper", "error, here", "rms, here",
-                "2r/R here: worst / 0.5 % / median", "s, paper", "s, here", "clock ÷ ours", "MB, here"]
+                "2r/R here: worst / 0.5 % / median", "s, paper", "s, here", "clock ÷ ours", "MB, paper", "MB, here"]
         lines = [self.line(name, printed, rows[name, printed.rho, published.ETA]) for name, all_rows in published.TABLE_1.items()
                  for printed in all_rows if (name, printed.rho, published.ETA) in rows]
         note = ("Triangles in thousands; error is the symmetric Hausdorff distance, in percent of the bounding box's diagonal. Seconds are "
@@ -76,7 +76,8 @@ class Table1(Part):
         error = (f"{row['error_pct']:.3f}", "better" if alike and row["error_pct"] <= printed.error else "")
         line = [*head, thousands(row["input_triangles"]), f"{printed.out:.1f}", thousands(row["triangles"]), f"{printed.error:.2f}", error,
                 f"{row['rms_pct']:.4f}", three(row), f"{printed.seconds:.1f}", f"{runs.seconds_of(row):.2f}",
-                f"{runs.ratio_of(row):.2f}" if runs.ratio_of(row) else "–", f"{row['memory_mb']:.0f}"]
+                f"{runs.ratio_of(row):.2f}" if runs.ratio_of(row) else "–", f"{published.MEMORY.get(name, '–')}",
+                f"{row['memory_mb']:.0f}"]
         return [*line[:9], page.Failed("; ".join(row["problems"]))] if row["problems"] else line
 
     def clock_notes(self, rows):

@@ -1,7 +1,7 @@
 """The models of the paper: files from beside the repository, or shapes made in code where there is no such file.
 
     models = PaperModels(data, out, scale=1.0)
-    models.names()                 those that can be had here
+    models.missing()               the names of those whose file is not there
     models.path("bunny")           its file, unpacked or made below OUT when first asked for
 """
 import collections
