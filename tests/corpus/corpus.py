@@ -72,6 +72,7 @@ SUBSET = [
     ("scans/nefertiti.obj.gz", 1.0),
     ("scans/turbineblade.ply", 1.0),             # thin edges
     ("scans/camel.off", 0.5),                    # meets itself
+    ("scans/camel.off", 1.0),
     ("scans/feline_41k.obj.gz", 0.5),            # thin tail, genus 2
     ("genus/soccerball.obj.gz", 1.0),            # genus 31
     ("genus/knot-300-100.off.gz", 0.5),          # sheets close to each other
