@@ -399,26 +399,37 @@ def survey(corpus):
     return 1 if wrong else 0
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def add_options(parser, timeout, judge_timeout):
+    """Those of every script that has meshfront's results judged."""
     parser.add_argument("--meshfront", default=str(ROOT / "build/release/bin/meshfront"))
     parser.add_argument("--data", default=str(ROOT.parent / "shared/data"))
-    parser.add_argument("--out", default=str(ROOT / "build/corpus"))
-    parser.add_argument("--rho", help="default: 0.5,1.0,1.5; of the generated ones 0.5")
-    parser.add_argument("--eta", type=float, default=1.2)
-    parser.add_argument("--flags", default="", help="more flags for meshfront remesh, in one word")
+    parser.add_argument("--timeout", type=float, default=timeout, help="seconds of CPU for one remeshing")
+    parser.add_argument("--judge-timeout", type=float, default=judge_timeout, help="seconds of CPU for judging one result")
+    parser.add_argument("--fresh", action="store_true", help="make rows again that are there")
+
+
+def add_survey_options(parser, out):
+    """More, for surveys of many models. Returns the group of those of which only one may be given."""
+    parser.add_argument("--out", default=str(ROOT / "build" / out))
     parser.add_argument("--only", default="", help="models whose name contains one of these, separated by commas")
+    parser.add_argument("-j", "--jobs", type=int, default=1)
+    parser.add_argument("--keep", action="store_true", help="keep what goes in and comes out, below OUT")
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--generated", action="store_true")
     what.add_argument("--subset", action="store_true")
+    return what
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    add_options(parser, timeout=120, judge_timeout=600)
+    what = add_survey_options(parser, "corpus")
+    parser.add_argument("--rho", help="default: 0.5,1.0,1.5; of the generated ones 0.5")
+    parser.add_argument("--eta", type=float, default=1.2)
+    parser.add_argument("--flags", default="", help="more flags for meshfront remesh, in one word")
     what.add_argument("--bars", choices=sorted(BARS))
     what.add_argument("--build-judge", action="store_true")
     parser.add_argument("--worst", action="store_true")
-    parser.add_argument("-j", "--jobs", type=int, default=1)
-    parser.add_argument("--timeout", type=float, default=120, help="seconds of CPU for one remeshing")
-    parser.add_argument("--judge-timeout", type=float, default=600, help="seconds of CPU for judging one result")
-    parser.add_argument("--fresh", action="store_true", help="make rows again that are there")
-    parser.add_argument("--keep", action="store_true", help="keep the results, below OUT")
     options = parser.parse_args()
     if not pathlib.Path(options.data).is_dir():
         print("skipped: no models beside the repository (../shared/data)")

@@ -283,20 +283,10 @@ def chosen(checks, options):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--meshfront", default=str(corpus.ROOT / "build/release/bin/meshfront"))
-    parser.add_argument("--data", default=str(corpus.ROOT.parent / "shared/data"))
-    parser.add_argument("--out", default=str(corpus.ROOT / "build/robustness"))
-    parser.add_argument("--only", default="", help="models whose name contains one of these, separated by commas")
+    corpus.add_options(parser, timeout=60, judge_timeout=120)
+    corpus.add_survey_options(parser, "robustness")
     parser.add_argument("--runs", type=int, default=100)
     parser.add_argument("--run", type=int, help="this one alone")
-    what = parser.add_mutually_exclusive_group()
-    what.add_argument("--generated", action="store_true")
-    what.add_argument("--subset", action="store_true")
-    parser.add_argument("-j", "--jobs", type=int, default=1)
-    parser.add_argument("--timeout", type=float, default=60, help="seconds of CPU for one remeshing")
-    parser.add_argument("--judge-timeout", type=float, default=120, help="seconds of CPU for judging one result")
-    parser.add_argument("--fresh", action="store_true", help="make rows again that are there")
-    parser.add_argument("--keep", action="store_true", help="keep what goes in and comes out, below OUT")
     parser.add_argument("--verbose", action="store_true", help="a line for every run")
     options = parser.parse_args()
     if corpus.find_judge() is None:
