@@ -10,8 +10,8 @@
     corpus.py --build-judge          builds the judge where it is missing
 
 Rows go to OUT/rows.jsonl as they come, one JSON object a line; a row that is there already for the same binary and flags is not
-made again, so a broken run goes on where it stopped, and a run with a longer --timeout tries again what was too slow for a shorter
-one. Exit code: 0 all well, 1 something is wrong, 77 no data or no judge.
+made again, so a broken run goes on where it stopped, and a run with a longer --timeout or --judge-timeout tries again what was too
+slow for a shorter one. Exit code: 0 all well, 1 something is wrong, 77 no data or no judge.
 The judge is $MESHFRONT_JUDGE, or build/judge/meshjudge.
 
 What must hold for every row: exit code 0 in time; a manifold, consistently oriented result without degenerate, duplicate or unused
@@ -43,7 +43,7 @@ FOLDERS = ["scans", "genus", "cad", "open", "thingi", "assets"]
 SUFFIXES = {".off", ".obj", ".ply", ".stl", ".glb", ".gltf"}
 SKIPPED = 77
 # Written into every row: rows that an older harness judged by other rules are made again.
-RULES = 2
+RULES = 3
 WORST = 10
 # How far from a new self-intersection one of the input's is looked for, in multiples of the error bound.
 SEARCHED = 4
@@ -112,16 +112,17 @@ BARS = {
 }
 
 
-def run(command, timeout):
+def run(command, timeout, out=None):
     """(exit code, first line of what it said beside warnings, seconds of CPU); the exit code of a run that takes too long is -1.
 
-    It is time on the CPU that is limited, so that a busy machine fails nothing; one that hangs is ended as well.
+    Out: a file for its standard output, which then is not heard. It is time on the CPU that is limited, so that a busy machine fails
+    nothing; one that hangs is ended as well.
     """
     def limited():
         resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(timeout), math.ceil(timeout) + 1))
 
     with tempfile.TemporaryFile() as heard:
-        child = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=heard, stderr=subprocess.STDOUT, preexec_fn=limited)
+        child = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=out or heard, stderr=heard, preexec_fn=limited)
         late = threading.Event()
         timer = threading.Timer(HANGS * timeout, lambda: (late.set(), child.kill()))
         timer.start()
@@ -181,7 +182,31 @@ class Models:
         return made
 
 
+def judged(judge, row, reference, work):
+    """What the judge says of the result; None where it says nothing, which then is a problem of the row."""
+    code, said, _ = run([judge, "report", str(work / "out.ply"), "--ref", str(reference), "--json", str(work / "judged.json")],
+                        row["judge_timeout"])
+    if code:
+        note_unjudged(row, "judge", code, said)
+        return None
+    return json.loads((work / "judged.json").read_text())
+
+
+def note_unjudged(row, who, code, said):
+    row["problems"].append(f"{who}: {said[:300]}")
+    if code == -1:
+        row["late"] = "judge_timeout"
+
+
+def may_be_in_time(row, options):
+    """Whether it was too slow for less time than there is now. late: the option that was too short; empty where none was."""
+    return row["late"] != "" and row[row["late"]] < getattr(options, row["late"])
+
+
 class Corpus:
+    # Where the rows are, what tells one from all others, and by which rules they are made; another class has its own.
+    FILE, KEY, RULES = "rows.jsonl", ("model", "rho", "eta", "flags", "binary", "rules"), RULES
+
     def __init__(self, options):
         self.options = options
         self.out = pathlib.Path(options.out)
@@ -192,31 +217,35 @@ class Corpus:
         self.judge = find_judge()
         self.lock = threading.Lock()
 
-    def remesh(self, model, work, rho):
-        flags = ["--rho", str(rho), "--eta", str(self.options.eta), "--threads", "1", "--quiet", *self.options.flags.split()]
-        files = ["--stats", str(work / "stats.json"), "--write-repaired", str(work / "repaired.ply")]
-        return run([self.options.meshfront, "remesh", str(model), str(work / "out.ply"), *files, *flags], self.options.timeout)
+    def key(self, name, rho):
+        return name, rho, self.options.eta, self.options.flags, self.version, self.RULES
 
-    def judged(self, result, reference, work):
-        code, said, _ = run([self.judge, "report", str(result), "--ref", str(reference), "--json", str(work / "judged.json")],
-                         self.options.judge_timeout)
-        return json.loads((work / "judged.json").read_text()) if code == 0 else said
+    def begun(self, name, other):
+        """A row of which nothing has been done, and an empty folder to do it in."""
+        row = {**dict(zip(self.KEY, self.key(name, other))), "timeout": self.options.timeout,
+               "judge_timeout": self.options.judge_timeout, "late": "", "problems": []}
+        work = self.out / "work" / f"{name.replace('/', '_')}@{other}"
+        shutil.rmtree(work, ignore_errors=True)
+        work.mkdir(parents=True)
+        return row, work
+
+    def remesh(self, row, model, work, rho, *flags):
+        """What it said."""
+        files = ["--stats", str(work / "stats.json"), "--write-repaired", str(work / "repaired.ply")]
+        row["exit"], said, row["cpu_seconds"] = run([self.options.meshfront, "remesh", str(model), str(work / "out.ply"), *files,
+                                                     "--rho", str(rho), "--quiet", *flags], self.options.timeout)
+        row["late"] = "timeout" if row["exit"] == -1 else ""
+        return said.replace(str(work / "out.ply"), "the result").replace(str(model), row["model"])
 
     def row(self, name, rho):
         """One model at one rho: remeshed and judged."""
-        row = {"model": name, "rho": rho, "eta": self.options.eta, "flags": self.options.flags, "binary": self.version, "rules": RULES,
-               "timeout": self.options.timeout}
-        work = self.out / "work" / f"{name.replace('/', '_')}@{rho}"
-        shutil.rmtree(work, ignore_errors=True)
-        work.mkdir(parents=True)
+        row, work = self.begun(name, rho)
         model = self.models.path(name)
-        row["exit"], said, row["cpu_seconds"] = self.remesh(model, work, rho)
-        said = said.replace(str(work / "out.ply"), "the result").replace(str(model), name)
-        row["problems"] = []
+        said = self.remesh(row, model, work, rho, "--eta", str(self.options.eta), "--threads", "1", *self.options.flags.split())
         if row["exit"] == 3 and name in REFUSED:
             row["refused"] = said
         elif row["exit"] != 0:
-            row["problems"].append(f"exit code {row['exit']}: {said[:300]}" if row["exit"] != -1 else said)
+            row["problems"].append(failure(row, said))
         if (work / "out.ply").exists():
             self.judge_row(row, model, work)
         if not self.options.keep:
@@ -226,20 +255,19 @@ class Corpus:
     def judge_row(self, row, model, work):
         stats = json.loads((work / "stats.json").read_text())
         row["repairs"] = {repair["what"]: repair["count"] for repair in stats["input"]["repairs"]}
-        judged = self.judged(work / "out.ply", work / "repaired.ply" if row["repairs"] else model, work)
-        if isinstance(judged, str):
-            row["problems"].append(f"judge: {judged}")
+        found = judged(self.judge, row, work / "repaired.ply" if row["repairs"] else model, work)
+        if found is None:
             return
-        counts, before, ratio = judged["counts"], judged["reference_counts"], judged["quality"]["radius_ratio"]
+        counts, before, ratio = found["counts"], found["reference_counts"], found["quality"]["radius_ratio"]
         row.update(triangles=counts["faces"], input_triangles=before["faces"], closed=counts["closed"], manifold=counts["manifold"],
                    genus=counts["genus"], loops=counts["boundary_loops"], components=counts["components"],
-                   self_intersections=judged["self_intersections"]["pairs"], min=ratio["min"], median=ratio["median"],
-                   hausdorff_pct=judged["distance"]["symmetric_max_pct"], rms_pct=judged["distance"]["forward"]["rms_pct"],
+                   self_intersections=found["self_intersections"]["pairs"], min=ratio["min"], median=ratio["median"],
+                   hausdorff_pct=found["distance"]["symmetric_max_pct"], rms_pct=found["distance"]["forward"]["rms_pct"],
                    error_bound=stats["error_bound"], engine_seconds=stats["seconds"]["engine"],
                    total_seconds=stats["seconds"]["total"], peak_mb=round(stats["peak_rss_bytes"] / 1e6, 1))
         row["p0.5"] = ratio["p0.5"]
         row["us_per_triangle"] = 1e6 * row["engine_seconds"] / max(1, row["triangles"])
-        row["beyond_bound"] = judged["distance"]["forward"]["max"] > stats["error_bound"]
+        row["beyond_bound"] = found["distance"]["forward"]["max"] > stats["error_bound"]
         row["problems"] += [*unsound(counts), *unlike(counts, before)]
         if row["exit"] == 0:
             row["problems"] += misreported(counts, stats["output"])
@@ -247,27 +275,39 @@ class Corpus:
         elif row["self_intersections"]:
             row["problems"].append(f"{row['self_intersections']} self-intersections")
 
-    def rows(self, jobs):
-        known = {}
-        file = self.out / "rows.jsonl"
-        for line in file.read_text().splitlines() if file.exists() else []:
+    def show(self, row):
+        """Of every row, made now or known."""
+        print(line_of(row), flush=True)
+
+    def known(self):
+        """Rows that are not to be made again, by what tells them apart."""
+        file, found = self.out / self.FILE, {}
+        for line in file.read_text().splitlines() if file.exists() and not self.options.fresh else []:
             row = json.loads(line)
-            if row["exit"] == -1 and row["timeout"] < self.options.timeout:
-                continue
-            known[tuple(row.get(k) for k in ("model", "rho", "eta", "flags", "binary", "rules"))] = row
+            if row.get("rules") == self.RULES and not may_be_in_time(row, self.options):
+                found[tuple(row[k] for k in self.KEY)] = row
+        return found
+
+    def rows(self, jobs):
+        known = self.known()
 
         def one(job):
-            row = known.get((*job, self.options.eta, self.options.flags, self.version, RULES)) if not self.options.fresh else None
+            row = known.get(self.key(*job))
             if row is None:
                 row = self.row(*job)
-                with self.lock, open(file, "a", encoding="utf-8") as out:
+                with self.lock, open(self.out / self.FILE, "a", encoding="utf-8") as out:
                     out.write(json.dumps(row) + "\n")
             with self.lock:
-                print(line_of(row), flush=True)
+                self.show(row)
             return row
 
         with concurrent.futures.ThreadPoolExecutor(self.options.jobs) as pool:
             return list(pool.map(one, jobs))
+
+
+def failure(row, said):
+    """The problem of a row whose exit code is none that it should be."""
+    return said if row["exit"] == -1 else f"exit code {row['exit']}: {said[:300]}"
 
 
 def unsound(counts):

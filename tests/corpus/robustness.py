@@ -10,14 +10,14 @@
 A run is what its number says, for one model: a rotation, a scale from 1e-6 to 1e6, an offset of up to 1e6 diagonals from the origin,
 an order of the vertices, of the faces and of the corners in each face, with which the front gets another seed, a file format that
 holds all of that to the last bit, and flags beside --rho 1. Rows go to OUT/robustness.jsonl, one JSON object a line; a row that is
-there already for the same binary is not made again. Exit code: 0 all well, 1 something is wrong, 77 no data or no judge.
+there already for the same binary is not made again, unless it was too slow for less time than there is now. Exit code: 0 all well,
+1 something is wrong, 77 no data or no judge.
 
 What must hold for every row is what corpus.py says, against the model as it was moved; components, genus and boundary loops are
 those of the model where it came from; and the triangles are round: see FLOORS.
 """
 import argparse
 import collections
-import concurrent.futures
 import json
 import math
 import pathlib
@@ -32,7 +32,7 @@ sys.path.append(str(corpus.ROOT / "tests/paper"))
 import shapes  # noqa: E402
 
 # Written into every row: rows that were made or judged by other rules are made again.
-RULES = 1
+RULES = 2
 RHO = 1.0
 MODELS = [
     "scans/bunny.off",            # holes, a scan
@@ -150,19 +150,22 @@ WRITERS = {".ply": shapes.write_ply, ".obj": write_text, ".off": write_text}
 
 class Robustness(corpus.Corpus):
     """Its rows: {model, run, what was done, what came out, problems}."""
+    FILE, KEY, RULES = "robustness.jsonl", ("model", "run", "binary", "rules"), RULES
 
     def __init__(self, options):
         super().__init__(options)
         self.originals = {}
 
     def original(self, name):
-        """(points, faces) of the model, mended, and its topology as --stats has it."""
+        """As it comes out of `prepared`, once for all runs."""
         with self.lock:
             if name not in self.originals:
                 self.originals[name] = self.prepared(name)
             return self.originals[name]
 
     def prepared(self, name):
+        """(what its rows say where it can't be remeshed, (points, faces, topology as --stats has it) of the model, mended): one of the
+        two, and None."""
         folder = self.out / "originals" / name.replace("/", "_")
         folder.mkdir(parents=True, exist_ok=True)
         if name in GENERATED:
@@ -170,63 +173,51 @@ class Robustness(corpus.Corpus):
             shapes.write_ply(model, *GENERATED[name]())
         else:
             model = self.models.path(name)
-        code, said, _ = corpus.run([self.options.meshfront, "remesh", str(model), str(folder / "out.ply"), "--rho", "2", "--quiet",
-                                    "--stats", str(folder / "stats.json"), "--write-repaired", str(folder / "repaired.ply")],
-                                   self.options.timeout)
-        if code not in (0, 4):
-            raise RuntimeError(f"{name} can't be read: exit code {code}: {said}")
+        read = {"model": name}
+        said = self.remesh(read, model, folder, 2)
+        if read["exit"] not in (0, 4):
+            return {**read, "problems": [f"as it is: {corpus.failure(read, said)}"]}, None
         topology = json.loads((folder / "stats.json").read_text())["input"]
-        return (*intersections.read_parts(folder / "repaired.ply"), topology)
+        return None, (*intersections.read_parts(folder / "repaired.ply"), topology)
+
+    def key(self, name, number):
+        return name, number, self.version, self.RULES
 
     def row(self, name, number):
-        points, faces, topology = self.original(name)
-        chance = random.Random(f"{name} {number}")
-        motion, flags = draw_motion(chance, points), draw_flags(chance)
-        suffix = chance.choice(sorted(WRITERS))
-        row = {"model": name, "run": number, "rho": RHO, "flags": " ".join(flags), "scale": motion.scale, "offset": motion.offset,
-               "format": suffix, "binary": self.version, "rules": RULES, "timeout": self.options.timeout, "problems": []}
-        work = self.out / "work" / f"{name.replace('/', '_')}@{number}"
-        shutil.rmtree(work, ignore_errors=True)
-        work.mkdir(parents=True)
-        model = work / f"in{suffix}"
-        WRITERS[suffix](model, *reordered(chance, moved(points, motion), faces))
-        row["exit"], said, row["cpu_seconds"] = corpus.run(
-            [self.options.meshfront, "remesh", str(model), str(work / "out.ply"), "--stats", str(work / "stats.json"),
-             "--write-repaired", str(work / "repaired.ply"), "--rho", str(RHO), "--quiet", *flags], self.options.timeout)
-        if row["exit"] != 0:
-            said = said.replace(str(work / "out.ply"), "the result").replace(str(model), "the model")
-            row["problems"].append(f"exit code {row['exit']}: {said[:300]}" if row["exit"] != -1 else said)
-        if (work / "out.ply").exists():
-            self.judge_row(row, model, work)
-            if "triangles" in row:
-                row["problems"] += unlike_original(row, topology)
+        failed, original = self.original(name)
+        row, work = self.begun(name, number)
+        if failed:
+            row.update(failed)
+        else:
+            self.remesh_moved(row, work, *original)
         if not self.options.keep:
             shutil.rmtree(work)
         return row
 
-    def rows(self, jobs):
-        known = {}
-        file = self.out / "robustness.jsonl"
-        for line in file.read_text().splitlines() if file.exists() and not self.options.fresh else []:
-            row = json.loads(line)
-            if row["exit"] != -1 or row["timeout"] >= self.options.timeout:
-                known[row["model"], row["run"], row["binary"], row["rules"]] = row
-
-        def one(job):
-            row = None if self.options.keep else known.get((*job, self.version, RULES))
-            if row is None:
-                row = self.row(*job)
-                with self.lock, open(file, "a", encoding="utf-8") as out:
-                    out.write(json.dumps(row) + "\n")
+    def remesh_moved(self, row, work, points, faces, topology):
+        chance = random.Random(f"{row['model']} {row['run']}")
+        motion, flags = draw_motion(chance, points), draw_flags(chance)
+        suffix = chance.choice(sorted(WRITERS))
+        row.update(rho=RHO, flags=" ".join(flags), scale=motion.scale, offset=motion.offset, format=suffix)
+        model = work / f"in{suffix}"
+        WRITERS[suffix](model, *reordered(chance, moved(points, motion), faces))
+        said = self.remesh(row, model, work, RHO, *flags)
+        if row["exit"] != 0:
+            row["problems"].append(corpus.failure(row, said))
+        if (work / "out.ply").exists():
+            self.judge_row(row, model, work)
             if "triangles" in row:
-                row["problems"] = row["problems"] + below_floors(row)
-            if row["problems"] or self.options.verbose:
-                with self.lock:
-                    print(line_of(row), flush=True)
-            return row
+                row["problems"] += unlike_original(row, topology)
 
-        with concurrent.futures.ThreadPoolExecutor(self.options.jobs) as pool:
-            return list(pool.map(one, jobs))
+    def known(self):
+        return {} if self.options.keep else super().known()
+
+    def show(self, row):
+        """Judged by the floors each time anew, so that they may be others than when the row was made."""
+        if "triangles" in row:
+            row["problems"] = row["problems"] + below_floors(row)
+        if row["problems"] or self.options.verbose:
+            print(line_of(row), flush=True)
 
 
 def unlike_original(row, topology):
@@ -245,7 +236,9 @@ def below_floors(row):
 
 
 def line_of(row):
-    head = f"{row['model']:<24} run {row['run']:>3}  scale {row['scale']:.1e}  offset {math.hypot(*row['offset']):.1e}  {row['flags']}"
+    head = f"{row['model']:<24} run {row['run']:>3}"
+    if "scale" in row:
+        head += f"  scale {row['scale']:.1e}  offset {math.hypot(*row['offset']):.1e}  {row['flags']}"
     if "triangles" in row:
         head += f"  {row['triangles']} tri  q {row['min']:.3f} {row['p0.5']:.3f} {row['median']:.3f}  H {row['hausdorff_pct']:.2f} %"
     return f"{head}  {'; '.join(row['problems']) or 'ok'}"

@@ -8,14 +8,13 @@ import json
 import os
 import pathlib
 import shutil
-import subprocess
 
 import corpus
 import models
 import quality
 
 # Written into every row: rows that an older script made by other rules are made again.
-RULES = 2
+RULES = 3
 # Two programs measure the same quality of the same file.
 QUALITY_TOLERANCE = 1e-3
 # Seconds of the clock from which a pair is not timed again: what else the machine does evens out within it.
@@ -40,9 +39,8 @@ class Runs:
         file = self.out / "rows.jsonl"
         for line in file.read_text().splitlines() if file.exists() else []:
             row = json.loads(line)
-            if row["late"] and row["timeout"] < options.timeout:
-                continue  # it may be done in time now
-            self.known[json.dumps(row["key"])] = row
+            if row["key"][0] == RULES and not corpus.may_be_in_time(row, options):
+                self.known[json.dumps(row["key"])] = row
 
     # ---- rows ----
 
@@ -55,7 +53,8 @@ class Runs:
         row = None if self.options.fresh else self.known.get(json.dumps(key))
         kept = self.mesh(name, rho, eta).exists() and self.input_mesh(name).exists()
         if row is None or not (kept or row["problems"]):
-            row = {"key": key, "model": name, "rho": rho, "eta": eta, "timeout": self.options.timeout, "late": False, "problems": []}
+            row = {"key": key, "model": name, "rho": rho, "eta": eta, "timeout": self.options.timeout,
+                   "judge_timeout": self.options.judge_timeout, "late": "", "problems": []}
             self.fill(row, timed)
             with open(self.out / "rows.jsonl", "a", encoding="utf-8") as out:
                 out.write(json.dumps(row) + "\n")
@@ -77,7 +76,7 @@ class Runs:
         mesh = self.mesh(row["model"], row["rho"], row["eta"])
         mesh.unlink(missing_ok=True)
         code, said = self.remesh(row, work, "--write-repaired", str(work / "repaired.ply"))
-        row["late"] = code == -1
+        row["late"] = "timeout" if code == -1 else ""
         if code:
             row["problems"].append(said if row["late"] else f"exit code {code}: {said[:300]}")
         if (work / "out.ply").exists() and (work / "stats.json").exists():
@@ -120,12 +119,9 @@ class Runs:
 
     def judged(self, row, work):
         """((worst, half percentile, median), two one-sided distances, pairs of faces that meet), from outside."""
-        command = [self.judge, "report", str(work / "out.ply"), "--ref", str(work / "repaired.ply"), "--json", str(work / "judged.json")]
-        code, said, _ = corpus.run(command, self.options.judge_timeout)
-        if code:
-            row["problems"].append(f"judge: {said}")
+        judged = corpus.judged(self.judge, row, work / "repaired.ply", work)
+        if judged is None:
             return None
-        judged = json.loads((work / "judged.json").read_text())
         row["problems"] += [*corpus.unsound(judged["counts"]), *corpus.unlike(judged["counts"], judged["reference_counts"])]
         ratio = judged["quality"]["radius_ratio"]
         return ((ratio["min"], ratio["p0.5"], ratio["median"]), [judged["distance"][way] for way in ("forward", "backward")],
@@ -134,11 +130,12 @@ class Runs:
     def measured(self, row, work, stats):
         """The same by meshfront itself, where there is no judge."""
         command = [self.options.meshfront, "measure", str(work / "out.ply"), "--ref", str(work / "repaired.ply"), "--json"]
-        done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=corpus.HANGS * self.options.judge_timeout)
-        if done.returncode:
-            row["problems"].append(f"meshfront measure: {done.stderr.decode(errors='replace').strip()[:300]}")
+        with open(work / "measured.json", "wb") as out:
+            code, said, _ = corpus.run(command, self.options.judge_timeout, out)
+        if code:
+            corpus.note_unjudged(row, "meshfront measure", code, said)
             return None
-        told = json.loads(done.stdout)
+        told = json.loads((work / "measured.json").read_text())
         counts = told["counts"]
         row["problems"] += [f"not {what}" for what in ("manifold", "oriented") if not counts[what]]
         row["problems"] += [f"{what} {stats['input'][what]} -> {counts[what]}" for what in ("components", "genus", "boundary_loops")

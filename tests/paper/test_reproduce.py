@@ -174,6 +174,19 @@ class Failures(unittest.TestCase):
             self.assertEqual(1, done.returncode, done.stdout + done.stderr)
             self.assertIn("exit code 70: meshfront: out of ideas", (pathlib.Path(folder) / "out/index.html").read_text())
 
+    def test_measuring_that_takes_too_long_is_a_problem_of_the_row_and_tried_again_with_more_time(self):
+        with tempfile.TemporaryDirectory() as folder:
+            program = pathlib.Path(folder) / "slow"
+            program.write_text(f"#!/bin/sh\nif [ $1 = measure ]; then while :; do :; done; fi\nexec '{MESHFRONT}' \"$@\"\n")
+            program.chmod(0o755)
+            out = pathlib.Path(folder) / "out"
+            for seconds, count in ((1, 1), (1, 1), (2, 2)):
+                done = reproduce(out, "--only", "table1", "--models", "david", "--judge-timeout", str(seconds), program=str(program))
+                self.assertEqual((1, ""), (done.returncode, done.stderr))
+                problems = [json.loads(line)["problems"] for line in (out / "rows.jsonl").read_text().splitlines()]
+                self.assertEqual(count, len(problems))
+                self.assertEqual([f"meshfront measure: not done after {seconds} s on the CPU"], problems[-1])
+
     def test_models_that_are_not_here_leave_nothing_to_run(self):
         with tempfile.TemporaryDirectory() as folder:
             done = reproduce(pathlib.Path(folder), "--models", "bunny")
