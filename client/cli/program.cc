@@ -102,7 +102,7 @@ void AddRender(CLI::App* program, RenderArguments* arguments) {
   command->add_option("--view-of", arguments->view_of, "seen as this mesh is, so that pictures can be compared [IN]");
   command->add_option("--up", arguments->up, "y, z: what is up in the picture [what shows more]");
   command->add_option("--at", arguments->at, "x,y,z of the point in the middle [that of the shape]");
-  command->add_option("--zoom", arguments->zoom, "how many times larger than the whole shape would be [1]");
+  command->add_option("--zoom", arguments->zoom, "how many times larger than the whole shape, 0.001 to 1000000 [1]");
   command->add_option("--size", arguments->size, "width and height in pixels, from 16 to 8192 [800]");
   command->add_option("--in-format", arguments->in_format, "format of IN when it is -");
 }

@@ -19,6 +19,8 @@ namespace meshfront {
 namespace {
 
 constexpr Color kPaper{250, 250, 248};
+// At the smallest the shape is about a pixel; at the largest a picture spans a millionth of it, a few steps of a float.
+constexpr double kSmallestZoom = 1e-3, kLargestZoom = 1e6;
 
 // What the flags ask of the view that the shape would have by itself.
 struct Look {
@@ -53,8 +55,8 @@ absl::StatusOr<Look> ParseLook(const RenderArguments& arguments) {
   if (size && (!absl::SimpleAtoi(*size, &look.size) || look.size < smallest || look.size > largest)) {
     return WrongValue("--size", *size, "a whole number of pixels from 16 to 8192");
   }
-  if (zoom && (!absl::SimpleAtod(*zoom, &look.zoom) || !std::isfinite(look.zoom) || look.zoom <= 0)) {
-    return WrongValue("--zoom", *zoom, "a positive, finite number");
+  if (zoom && (!absl::SimpleAtod(*zoom, &look.zoom) || !(look.zoom >= kSmallestZoom && look.zoom <= kLargestZoom))) {
+    return WrongValue("--zoom", *zoom, "a number from 0.001 to 1000000");
   }
   if (arguments.up && *arguments.up != "y" && *arguments.up != "z") return WrongValue("--up", *arguments.up, "y or z");
   if (arguments.up) look.up = *arguments.up == "z" ? UpAxis::kZ : UpAxis::kY;

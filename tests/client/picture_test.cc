@@ -90,6 +90,20 @@ TEST(Wireframe, SurvivesFacesThatCannotBeDrawn) {
   EXPECT_GT(ShareOf(Draw(mesh, view), [](Color c) { return c != kWhite; }), 0.05);
 }
 
+// A dot whose place is no number, since infinities meet on its way there, and one beyond any int.
+TEST(Wireframe, SkipsDotsOutsideThePicture) {
+  View view = FromAbove(1);
+  view.center = {-1e308, 0, 0};
+  TriangleMesh middle;
+  middle.positions = {view.center};
+  TriangleMesh more = middle;
+  more.positions.push_back({1.7e308, 0, 0});
+  more.positions.push_back({-1e308, 1e300, 0});
+  const auto is_drawn = [](Color c) { return c != kWhite; };
+  EXPECT_GT(ShareOf(Draw(middle, view), is_drawn), 0);
+  EXPECT_EQ(ShareOf(Draw(more, view), is_drawn), ShareOf(Draw(middle, view), is_drawn));
+}
+
 TEST(View, FitsTheShapeAndIsOrthonormal) {
   for (const TriangleMesh& mesh :
        {testing::ThinSlab(10), testing::Scaled(testing::Torus(1, 0.2, 30, 10), 1e-6), TriangleMesh{}}) {

@@ -82,6 +82,9 @@ TEST_F(Program, ExitsWithTwoForMistakesInTheCommandLine) {
       {"render", "in.ply", "picture.png", "--size", "15"},
       {"render", "in.ply", "picture.png", "--size", "9000"},
       {"render", "in.ply", "picture.png", "--zoom", "0"},
+      {"render", "in.ply", "picture.png", "--zoom", "nan"},
+      {"render", "in.ply", "picture.png", "--zoom", "1e-4"},
+      {"render", "in.ply", "picture.png", "--zoom", "1e7"},
       {"render", "in.ply", "picture.png", "--at", "1,2"},
       {"render", "in.ply", "picture.png", "--up", "x"},
       {"render", "in.ply", "picture.png", "--at", "1,2,x"},
@@ -240,6 +243,20 @@ TEST_F(Program, RendersWhatIsSmallerAsSmallInTheViewOfTheWhole) {
   EXPECT_EQ(rendered({"--at", "0,0,0"}), alone);
   EXPECT_NE(rendered({"--up", "y"}), rendered({"--up", "z"}));
   EXPECT_NE(rendered({"--at=-0.5,0,0"}), alone);
+}
+
+// All points but the one in the middle lie outside, at pixels that no int can count.
+TEST_F(Program, RendersOnePointOfASetFromVeryClose) {
+  std::ofstream(PathOf("all.xyz")) << "0 0 1\n0 0 -1\n1 0 0\n-1 0 0\n0 1e300 0\n-1e300 0 0\n";
+  std::ofstream(PathOf("one.xyz")) << "0 0 1\n";
+  std::ofstream(PathOf("none.xyz")) << "9 9 9\n";
+  WriteSphere("view.ply");
+  const auto rendered = [this](const std::string& in) {
+    EXPECT_EQ(Run({"render", in, "out.png", "--view-of", "view.ply", "--at", "0,0,1", "--zoom", "1e6"}).exit_code, 0);
+    return Contents("out.png");
+  };
+  EXPECT_EQ(rendered("all.xyz"), rendered("one.xyz"));
+  EXPECT_NE(rendered("one.xyz"), rendered("none.xyz"));
 }
 
 TEST_F(Program, WritesTheSampleInTheFormatOfItsName) {

@@ -63,6 +63,7 @@ class Rasteriser {
     for (const Vec3& p : mesh_.positions) {
       if (!IsFinite(p)) continue;
       const Vec3 s = Project(p);
+      if (!ReachesIntoPicture(s)) continue;
       for (int dy = 0; dy < kSamples; ++dy) {
         for (int dx = 0; dx < kSamples; ++dx) Put(static_cast<int>(s.x) + dx, static_cast<int>(s.y) + dy, s.z, kDot);
       }
@@ -81,6 +82,11 @@ class Rasteriser {
     const Vec3 d = p - view_.center;
     return {0.5 * width_ + scale_ * Dot(d, view_.right), 0.5 * height_ - scale_ * Dot(d, view_.up),
             scale_ * Dot(d, view_.toward)};
+  }
+
+  // Of a dot, whose place may be beyond any int, or none at all where infinities have met.
+  bool ReachesIntoPicture(const Vec3& s) const {
+    return s.x > -kSamples && s.x < width_ && s.y > -kSamples && s.y < height_;
   }
 
   bool IsDrawable(const Triangle& t) const {
