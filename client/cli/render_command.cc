@@ -58,6 +58,7 @@ absl::StatusOr<Look> ParseLook(const RenderArguments& arguments) {
   if (zoom && (!absl::SimpleAtod(*zoom, &look.zoom) || !(look.zoom >= kSmallestZoom && look.zoom <= kLargestZoom))) {
     return WrongValue("--zoom", *zoom, "a number from 0.001 to 1000000");
   }
+  if (arguments.view_of == "-") return WrongValue("--view-of", "-", "a file: standard input is for IN alone");
   if (arguments.up && *arguments.up != "y" && *arguments.up != "z") return WrongValue("--up", *arguments.up, "y or z");
   if (arguments.up) look.up = *arguments.up == "z" ? UpAxis::kZ : UpAxis::kY;
   if (arguments.at) {
@@ -74,11 +75,14 @@ struct Scene {
 
 absl::StatusOr<Scene> ReadScene(const RenderArguments& arguments, const Look& look) {
   Scene scene;
+  std::vector<std::string> warnings;
   if (!arguments.view_of.empty()) {
-    MESHFRONT_ASSIGN_OR_RETURN(const ReadResult seen, ReadInput(arguments.view_of, Format::kUnknown));
+    MESHFRONT_ASSIGN_OR_RETURN(ReadResult seen, ReadInput(arguments.view_of, Format::kUnknown));
     scene.view = ChooseView(seen.mesh, look.up);
+    warnings = std::move(seen.warnings);
   }
   MESHFRONT_ASSIGN_OR_RETURN(ReadResult read, ReadInput(arguments.in, look.format));
+  PrintWarnings(warnings);
   PrintWarnings(read.warnings);
   scene.mesh = std::move(read.mesh);
   if (arguments.view_of.empty()) scene.view = ChooseView(scene.mesh, look.up);

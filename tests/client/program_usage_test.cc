@@ -85,6 +85,7 @@ TEST_F(Program, ExitsWithTwoForMistakesInTheCommandLine) {
       {"render", "in.ply", "picture.png", "--zoom", "nan"},
       {"render", "in.ply", "picture.png", "--zoom", "1e-4"},
       {"render", "in.ply", "picture.png", "--zoom", "1e7"},
+      {"render", "in.ply", "picture.png", "--view-of", "-"},
       {"render", "in.ply", "picture.png", "--at", "1,2"},
       {"render", "in.ply", "picture.png", "--up", "x"},
       {"render", "in.ply", "picture.png", "--at", "1,2,x"},
@@ -257,6 +258,25 @@ TEST_F(Program, RendersOnePointOfASetFromVeryClose) {
   };
   EXPECT_EQ(rendered("all.xyz"), rendered("one.xyz"));
   EXPECT_NE(rendered("one.xyz"), rendered("none.xyz"));
+}
+
+TEST_F(Program, RendersNothingInTheViewOfStandardInput) {
+  WriteSphere("in.ply");
+  for (const char* in : {"in.ply", "-"}) {
+    const Outcome outcome = Run({"render", in, "out.png", "--view-of", "-", "--in-format", "ply"}, Contents("in.ply"));
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("--view-of is -; it must be a file"));
+  }
+  EXPECT_THAT(Files(), ElementsAre("in.ply"));
+}
+
+TEST_F(Program, WarnsOfWhatIsOddInTheFileThatGivesTheView) {
+  std::ofstream(PathOf("odd.off")) << "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n2 0 1\n";
+  WriteSphere("in.ply");
+  const Outcome outcome = Run({"render", "in.ply", "out.png", "--view-of", "odd.off"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.err, HasSubstr("meshfront: warning: "));
+  EXPECT_THAT(outcome.err, HasSubstr("fewer than three corners"));
 }
 
 TEST_F(Program, WritesTheSampleInTheFormatOfItsName) {
