@@ -17,8 +17,9 @@ struct View {
 
 enum class UpAxis { kY, kZ };
 
-// A three-quarter view from slightly above. Up is y or z, whichever shows more unless it is given; the azimuth and the elevation are those that turn most of the surface
-// towards the eye. Deterministic; O(n) with a small constant. Any mesh gives a view, an empty one too.
+// A three-quarter view from slightly above. Up is y or z, whichever shows more unless it is given; the azimuth and the
+// elevation are those that turn most of the surface towards the eye. Deterministic; O(n) with a small constant. Any mesh
+// gives a view, an empty one too.
 View ChooseView(const TriangleMesh& mesh, std::optional<UpAxis> up = std::nullopt);
 
 }  // namespace meshfront
