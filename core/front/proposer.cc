@@ -119,28 +119,22 @@ Verdict Proposer::CheckNeighbours(FrontEdgeId edge, double radius_a, double radi
   return Verdict::kAccepted;
 }
 
-// Not on the other side of a plate.
-bool Proposer::FacesAlike(const NewEdge& edge, FrontEdgeId fence) const {
-  return Dot(edge.normal, fences_.at(fence).normal) >= kOtherSheetCosine;
-}
-
 // Whether the new side number `side`, from one source point to another, crosses a front edge. Where the fences leave it unclear, the
-// ways over the surface decide: the fronts then stay simple loops on the surface, however rough that is. Where either has
-// none they are taken to cross, unless they face opposite ways, or the front edge is a rim, beyond which nothing lies.
+// ways over the surface decide: the fronts then stay simple loops on the surface, however rough that is. A side without a way is taken
+// to cross what does not face the other way.
 bool Proposer::Crosses(const NewEdge& edge, const SourcePoint& from, const SourcePoint& to, int side,
                        FrontEdgeId fence) {
   const Crossing crossing = CrossFence(edge, fences_.at(fence));
   if (crossing != Crossing::kUnclear || !surface_.HasWays()) return crossing == Crossing::kCrosses;
   NewWay& way = new_ways_[side];
   if (!way.is_known) way.is_known = true, surface_.TraceWay(from, to, way.pieces);
-  if (way.pieces.empty()) return FacesAlike(edge, fence);
+  if (way.pieces.empty()) return Dot(edge.normal, fences_.at(fence).normal) >= kOtherSheetCosine;
   if (fence_ways_.size() <= fence.index()) fence_ways_.resize(2 * fence.index() + 16);
   FenceWay& along = fence_ways_[fence.index()];
   if (along.birth != fronts_.at(fence).birth) {
     along.birth = fronts_.at(fence).birth;
     surface_.TraceWay(fronts_.at(fronts_.From(fence)).source, fronts_.at(fronts_.To(fence)).source, along.pieces);
   }
-  if (along.pieces.empty()) return !fronts_.at(fence).owner.is_rim() && FacesAlike(edge, fence);
   return WaysCross(way.pieces, along.pieces);
 }
 

@@ -96,7 +96,6 @@ class Proposer {
   Verdict CheckShape(Candidate& c, const Strictness& strictness) const;
   Verdict CheckSectors(Candidate& c) const;
   Verdict CheckFences(const Candidate& c, const Strictness& strictness);
-  bool FacesAlike(const NewEdge& edge, FrontEdgeId fence) const;
   bool Crosses(const NewEdge& edge, const SourcePoint& from, const SourcePoint& to, int side, FrontEdgeId fence);
   Verdict CheckSurroundings(const Candidate& c, const Strictness& strictness);
   bool StandsForSurface(const Candidate& c, double tolerance);
