@@ -27,7 +27,7 @@ constexpr uint64_t kMaxPerPredicted = 2, kMaxBeyondPredicted = 20000;
 constexpr double kInsertionsForCount = 0.005, kMostInsertionsForCount = 0.0185;
 
 constexpr uint64_t kHeldTriangles = 1 << 18;
-// Where there are rims at all: not much more than what the settling window keeps before it lets go of any.
+// Where there are rims at all, or a number up to this is wanted: not much more than what the settling window keeps before it lets go of any.
 constexpr uint64_t kHeldInAnyCase = 6000;
 constexpr int kMaxAttempts = 4;
 // Where the front was taken back at place after place all over a large mesh, the ground is rough, and shorter edges make it no better:
@@ -69,8 +69,10 @@ FrontOptions FrontOptionsOf(const Preparation& p) {
 }
 
 uint64_t HeldLimit(const Preparation& p, bool is_close) {
-  if (p.loops.empty()) return 0;
-  return is_close ? kHeldTriangles : kHeldInAnyCase;
+  if (is_close) return kHeldTriangles;
+  const uint64_t wanted = p.parameters.target_triangles;
+  const uint64_t for_count = wanted <= kHeldInAnyCase ? wanted + wanted / 2 : 0;
+  return p.loops.empty() ? for_count : std::max(for_count, kHeldInAnyCase);
 }
 
 // The settling window compares what it holds at a time; this compares all with all.

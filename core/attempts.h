@@ -25,10 +25,11 @@ struct Attempt {
 };
 
 // Advances the fronts of a preparation into the sink, as AdvanceFront does, with its errors. Results with creases, or with rims that
-// lie close to something (close_curves.h), are held back up to 262,144 triangles, those with other rims up to 6,000. While nothing went
-// on they are made again, at most three times: with edges half as long around the faults, and for as many more or fewer triangles as
-// came too few or too many when a number was wanted (off by more than 3 %). The attempt with the fewest faults goes on, of equals the
-// one nearest to the count. Progress begins anew with each. Changes the preparation.
+// lie close to something (close_curves.h), are held back up to 262,144 triangles, those with other rims up to 6,000, and whole ones
+// of which up to 6,000 are wanted. While nothing went on they are made again, at most three times: with edges half as long around the
+// faults, and for as many more or fewer triangles as came too few or too many when a number was wanted (off by more than 3 %). The
+// attempt with the fewest faults goes on, of equals the one nearest to the count. Progress begins anew with each. Changes the
+// preparation.
 absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& preparation, MeshSink& sink, const Context& context);
 
 }  // namespace meshfront

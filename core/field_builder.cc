@@ -1,8 +1,10 @@
 // Build: 1. thickness, where it was not measured for edges as long (MeasureThickness), and the widths of patches (MeasureWidths);
-// 2. curvature → ideal lengths, bounded by thickness and width, by the component's size and by the clamps (Samples); 3. the field and its predicted count.
-// BuildForCount: 1. a field at the parameter that the curvature alone suggests (FirstGuess); 2. with its samples and a part of the
-// faces a secant on (log parameter, log count), which the paper's scaling makes almost a line (Improve); 3. a field there, and so
-// on until the count is right. Where the parameter's range ends with too many triangles, detail below a growing size is left out.
+// 2. curvature → ideal lengths, bounded by thickness and width, by the component's size and by the clamps (Samples); 3. the field
+// and its predicted count.
+// BuildForCount: 1. a field at the parameter that the curvature alone suggests (FirstGuess), without thickness (Sketch); 2. with its
+// samples and a part of the faces a secant on (log parameter, log count), which the paper's scaling makes almost a line (FindNear);
+// 3. a field there, and its count over the whole surface; 4. the secant goes on with fields near by, whose counts are compared on
+// the part (BuildNear). Where the parameter's range ends with too many triangles, detail below a growing size is left out.
 // Rejected: bisection, which builds ten fields for the same.
 #include "core/field_builder.h"
 
@@ -39,12 +41,15 @@ constexpr double kNarrowestWidth = 2e-3;
 constexpr double kCountTolerance = 0.004;  // an eighth of what is promised of the real count
 constexpr double kReachable = 0.01;        // farther from the count than this, at the end of the range, it is refused
 constexpr int kMaxSteps = 24;
-constexpr int kImprovedSteps = 3, kMaxProbeSteps = 8;
-constexpr size_t kProbeFaces = 2048;
+constexpr int kMaxProbeSteps = 8;
+constexpr double kProbeTolerance = 0.01;  // counts on a part of the faces are off by more
+constexpr size_t kProbeFaces = 4096, kCheckedProbePieces = 1024;
+constexpr double kNear = 0.15;    // of a count: so near, counts on a part of the faces tell how those on all change
 constexpr double kMaxStep = 1.5;  // of the parameter's logarithm
 constexpr double kTellingStep = 0.5;
+constexpr double kJump = 1e-3;       // of the parameter's logarithm: the count is not continuous
 constexpr double kSameCount = 1e-4;  // of the count's logarithm: the parameter has lost its influence
-constexpr double kThicknessHeadroom = 1.5;
+constexpr double kThicknessHeadroom = 1.2;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // How the count follows the parameter: as its power with this exponent, were there no grading. The grading makes it slower.
@@ -71,8 +76,9 @@ double LargestParameter(const SizingLimits& limits) {
 // Finds the root of a falling function on a line, known at a growing number of places; the line ends at `last` on the right.
 class CountSearch {
  public:
-  CountSearch(double log_target, double exponent, double last)
-      : log_target_(log_target), exponent_(exponent), slope_(kGradedPart * exponent), last_(last) {}
+  // `slope`: of the function, to begin with.
+  CountSearch(double log_target, double exponent, double slope, double last)
+      : log_target_(log_target), exponent_(exponent), slope_(slope), last_(last) {}
 
   // Takes in what the count is at a place, and says where to try next.
   double Next(double place, double log_count) {
@@ -88,6 +94,9 @@ class CountSearch {
     if ((next > left_ && next < right_) || std::isinf(left_) || std::isinf(right_)) return next;
     return 0.5 * (left_ + right_);
   }
+  double slope() const { return slope_; }  // where it was asked last
+  // More on the left and fewer on the right, and hardly anything between.
+  bool IsAtAJump() const { return right_ - left_ < kJump; }
   // The place has lost its influence on the count, or there is no other on the side where the target lies.
   bool IsExhausted() const { return has_stopped_ || (place_ >= last_ && log_count_ > log_target_); }
 
@@ -229,18 +238,52 @@ absl::StatusOr<std::vector<SizingSample>> FieldBuilder::Samples(uint64_t& clampe
   return samples;
 }
 
-absl::StatusOr<SizedField> FieldBuilder::Build(double parameter, const Context& context) {
+// Without its count.
+absl::StatusOr<SizedField> FieldBuilder::BuildField(double parameter, const Context& context) {
   parameter_ = parameter;
-  MESHFRONT_RETURN_IF_ERROR(MeasureThickness(context));
   MESHFRONT_RETURN_IF_ERROR(MeasureWidths(context));
   uint64_t clamped = 0;
   MESHFRONT_ASSIGN_OR_RETURN(std::vector<SizingSample> samples, Samples(clamped, context));
   const GuidanceOptions options{limits_.eta, limits_.min_edge, LongestGuidance()};
   MESHFRONT_ASSIGN_OR_RETURN(GuidanceField field, GuidanceField::Create(std::move(samples), options, context));
+  return SizedField{std::move(field), parameter, 0, clamped, detail_};
+}
+
+absl::StatusOr<SizedField> FieldBuilder::Build(double parameter, const Context& context) {
+  parameter_ = parameter;
+  MESHFRONT_RETURN_IF_ERROR(MeasureThickness(context));
+  MESHFRONT_ASSIGN_OR_RETURN(SizedField sized, BuildField(parameter, context));
   const FaceSpans faces{surface_.mesh().positions, surface_.mesh().triangles, surface_.vertex_curvatures()};
-  MESHFRONT_ASSIGN_OR_RETURN(const double by_area, PredictTriangles(faces, field, context));
-  const double predicted = CountFactorOf(limits_.sizing) * by_area + CountBesideWidths(field);
-  return SizedField{std::move(field), parameter, predicted, clamped, detail_};
+  MESHFRONT_ASSIGN_OR_RETURN(const double by_area, PredictTriangles(faces, sized.field, context));
+  sized.predicted_triangles = CountFactorOf(limits_.sizing) * by_area + CountBesideWidths(sized.field);
+  return sized;
+}
+
+// Without thickness where it was not measured yet, and with the count that a part of the surface tells.
+absl::StatusOr<SizedField> FieldBuilder::Sketch(double parameter, const Context& context) {
+  MESHFRONT_ASSIGN_OR_RETURN(SizedField sized, BuildField(parameter, context));
+  MESHFRONT_ASSIGN_OR_RETURN(const double part, CountOnProbe(sized.field, context));
+  sized.predicted_triangles =
+      CountFactorOf(limits_.sizing) * part / probe_->part_of_area + CountBesideWidths(sized.field);
+  return sized;
+}
+
+// The field of a parameter near that of another, whose count is known.
+absl::StatusOr<SizedField> FieldBuilder::BuildNear(const SizedField& other, double parameter, const Context& context) {
+  parameter_ = parameter;
+  MESHFRONT_RETURN_IF_ERROR(MeasureThickness(context));
+  MESHFRONT_ASSIGN_OR_RETURN(SizedField sized, BuildField(parameter, context));
+  MESHFRONT_ASSIGN_OR_RETURN(const double before, CountOnProbe(other.field, context));
+  MESHFRONT_ASSIGN_OR_RETURN(const double after, CountOnProbe(sized.field, context));
+  const double by_area = other.predicted_triangles - CountBesideWidths(other.field);
+  sized.predicted_triangles = by_area * (before > 0 ? after / before : 1) + CountBesideWidths(sized.field);
+  return sized;
+}
+
+absl::StatusOr<double> FieldBuilder::CountOnProbe(const GuidanceField& field, const Context& context) {
+  if (!probe_) probe_ = MakeProbe();
+  return PredictTriangles({probe_->positions, probe_->triangles, probe_->curvatures}, field, context,
+                          kCheckedProbePieces);
 }
 
 // Where every place had the edges that its own curvature asks for, g = l/η, the count would be a power of the parameter.
@@ -287,23 +330,28 @@ FieldBuilder::Probe FieldBuilder::MakeProbe() const {
   const TriangleMesh& mesh = surface_.mesh();
   Probe probe;
   const size_t stride = mesh.triangles.size() / kProbeFaces | 1;
-  for (size_t f = 0; f < mesh.triangles.size(); f += stride) {
+  double whole = 0, part = 0;
+  for (size_t f = 0; f < mesh.triangles.size(); ++f) {
+    const Triangle& t = mesh.triangles[f];
+    const double area = TriangleArea(mesh.PositionAt(t[0]), mesh.PositionAt(t[1]), mesh.PositionAt(t[2]));
+    whole += area;
+    if (f % stride != 0) continue;
+    part += area;
     std::array<VertexId, 3> corners;
     for (int i = 0; i < 3; ++i) {
-      const VertexId v = mesh.triangles[f][i];
       corners[i] = VertexId(static_cast<uint32_t>(probe.positions.size()));
-      probe.positions.push_back(mesh.PositionAt(v));
-      probe.curvatures.push_back(surface_.vertex_curvatures()[v.index()]);
+      probe.positions.push_back(mesh.PositionAt(t[i]));
+      probe.curvatures.push_back(surface_.vertex_curvatures()[t[i].index()]);
     }
     probe.triangles.push_back(corners);
   }
+  probe.part_of_area = whole > 0 ? part / whole : 1;
   return probe;
 }
 
 // The count at another parameter, about: of the samples that `sized` kept, stretched by what the formula says of their lengths, and
 // on the probe alone.
-absl::StatusOr<double> FieldBuilder::ProbeCount(const SizedField& sized, double parameter, const Probe& probe,
-                                                const Context& context) {
+absl::StatusOr<double> FieldBuilder::ProbeCount(const SizedField& sized, double parameter, const Context& context) {
   const auto kept = sized.field.kept_samples();
   std::vector<SizingSample> samples(kept.begin(), kept.end());
   parameter_ = parameter;
@@ -313,7 +361,7 @@ absl::StatusOr<double> FieldBuilder::ProbeCount(const SizedField& sized, double 
   }
   const GuidanceOptions options{limits_.eta, limits_.min_edge, LongestGuidance()};
   MESHFRONT_ASSIGN_OR_RETURN(const GuidanceField field, GuidanceField::Create(std::move(samples), options, context));
-  return PredictTriangles({probe.positions, probe.triangles, probe.curvatures}, field, context);
+  return CountOnProbe(field, context);
 }
 
 // The curvature whose ideal length this is at a parameter.
@@ -322,38 +370,57 @@ double FieldBuilder::CurvatureOf(double length, double parameter) const {
   return std::min(6 * parameter / (length * length + 3 * parameter * parameter), std::sqrt(3.0) / length);
 }
 
-// From a field that has another count, the parameter whose count is near, without building a whole field again.
-absl::StatusOr<double> FieldBuilder::Improve(const SizedField& sized, double target, const Context& context) {
-  const double largest = LargestParameter(limits_);
-  const Probe probe = MakeProbe();
-  MESHFRONT_ASSIGN_OR_RETURN(const double part, ProbeCount(sized, sized.parameter, probe, context));
-  if (!(part > 0)) return sized.parameter;
-  const double wanted = target * part / sized.predicted_triangles;
-  CountSearch search(std::log(wanted), ExponentOf(limits_.sizing), std::log(largest));
-  double parameter = sized.parameter, count = part;
-  for (int step = 0; step < kMaxProbeSteps && std::abs(count / wanted - 1) > 0.3 * kCountTolerance; ++step) {
-    parameter = std::min(std::exp(search.Next(std::log(parameter), std::log(count))), largest);
+// From a field that has another count, where on the line of parameters that of the target is near, and how the count falls there,
+// without building a whole field again.
+absl::StatusOr<FieldBuilder::Line> FieldBuilder::FindNear(const SizedField& sized, double target,
+                                                          const Context& context) {
+  const double exponent = ExponentOf(limits_.sizing);
+  Line line{sized.parameter, LargestParameter(limits_), exponent, kGradedPart * exponent, std::nullopt};
+  MESHFRONT_ASSIGN_OR_RETURN(double count, ProbeCount(sized, sized.parameter, context));
+  if (!(count > 0)) return line;
+  const double wanted = target * count / sized.predicted_triangles;
+  CountSearch search(std::log(wanted), exponent, line.slope, std::log(line.largest));
+  for (int step = 0; step < kMaxProbeSteps && std::abs(count / wanted - 1) > kProbeTolerance; ++step) {
+    line.first = std::min(std::exp(search.Next(std::log(line.first), std::log(count))), line.largest);
+    if (step > 0) line.slope = search.slope();
     if (search.IsExhausted()) break;
-    MESHFRONT_ASSIGN_OR_RETURN(count, ProbeCount(sized, parameter, probe, context));
+    MESHFRONT_ASSIGN_OR_RETURN(count, ProbeCount(sized, line.first, context));
   }
-  return parameter;
+  return line;
 }
 
-// The field of the count that is nearest to `count` among those that `build` makes of values up to `largest`.
-absl::StatusOr<SizedField> FieldBuilder::Approach(uint64_t count, const Line& line) const {
+// The field of the count that is nearest to `count` among those of the line's values.
+absl::StatusOr<SizedField> FieldBuilder::Approach(uint64_t count, const Line& line, const Context& context) {
   const double target = static_cast<double>(count);
-  CountSearch search(std::log(target), line.exponent, std::log(line.largest));
-  double value = line.first;
-  for (int step = 0;; ++step) {
-    MESHFRONT_ASSIGN_OR_RETURN(SizedField sized, line.build(value));
-    if (std::abs(sized.predicted_triangles / target - 1) <= kCountTolerance || step == kMaxSteps) return sized;
-    const double next = search.Next(std::log(value), std::log(sized.predicted_triangles));
-    if (search.IsExhausted()) return sized;
-    value = std::min(std::exp(next), line.largest);
-    if (step < kImprovedSteps && line.improve) {
-      MESHFRONT_ASSIGN_OR_RETURN(value, line.improve(sized));
+  CountSearch search(std::log(target), line.exponent, line.slope, std::log(line.largest));
+  const auto error_of = [&](const SizedField& sized) { return std::abs(sized.predicted_triangles / target - 1); };
+  double value = line.first, nearest = value, least_error = kInfinity;
+  MESHFRONT_ASSIGN_OR_RETURN(SizedField whole, BuildOn(line, value, nullptr, context));
+  std::optional<SizedField> near;  // counted from that
+  for (int step = 0; step < kMaxSteps; ++step) {
+    SizedField& last = near ? *near : whole;
+    const double error = error_of(last);
+    if (error < least_error) least_error = error, nearest = value;
+    if (error <= kCountTolerance && (!near || error_of(whole) <= kNear)) return std::move(last);
+    if (error <= kCountTolerance) {
+      MESHFRONT_ASSIGN_OR_RETURN(whole, BuildOn(line, value, nullptr, context));
+      near.reset();
+      continue;
     }
+    const double next = search.Next(std::log(value), std::log(last.predicted_triangles));
+    if (search.IsExhausted()) return std::move(last);
+    if (search.IsAtAJump()) break;
+    value = std::min(std::exp(next), line.largest);
+    MESHFRONT_ASSIGN_OR_RETURN(near, BuildOn(line, value, &whole, context));
   }
+  return BuildOn(line, nearest, nullptr, context);
+}
+
+absl::StatusOr<SizedField> FieldBuilder::BuildOn(const Line& line, double value, const SizedField* near,
+                                                 const Context& context) {
+  if (line.detail_at) detail_ = value;
+  const double parameter = line.detail_at.value_or(value);
+  return near ? BuildNear(*near, parameter, context) : Build(parameter, context);
 }
 
 absl::StatusOr<SizedField> FieldBuilder::BuildForCount(uint64_t count, const Context& context) {
@@ -363,20 +430,18 @@ absl::StatusOr<SizedField> FieldBuilder::BuildForCount(uint64_t count, const Con
   const auto is_reached = [&](const SizedField& sized) {
     return std::abs(sized.predicted_triangles / target - 1) <= kReachable;
   };
-  Line line{FirstGuess(target), LargestParameter(limits_), ExponentOf(limits_.sizing)};
-  line.build = [&](double parameter) { return Build(parameter, context); };
-  if (limits_.sizing != Sizing::kUniform) {
-    line.improve = [&](const SizedField& sized) { return Improve(sized, target, context); };
+  const bool uniform = limits_.sizing == Sizing::kUniform;
+  const double exponent = ExponentOf(Sizing::kUniform);
+  Line line{FirstGuess(target), LargestParameter(limits_), exponent, exponent, std::nullopt};
+  if (!uniform) {
+    MESHFRONT_ASSIGN_OR_RETURN(const SizedField sketch, Sketch(line.first, context));
+    MESHFRONT_ASSIGN_OR_RETURN(line, FindNear(sketch, target, context));
   }
-  MESHFRONT_ASSIGN_OR_RETURN(SizedField sized, Approach(count, line));
-  if (!is_reached(sized) && sized.predicted_triangles > target && limits_.sizing != Sizing::kUniform) {
-    const double parameter = sized.parameter;
-    Line detail{std::min(FirstDetail(target), limits_.max_edge), limits_.max_edge, ExponentOf(Sizing::kUniform)};
-    detail.build = [&](double length) {
-      detail_ = length;
-      return Build(parameter, context);
-    };
-    MESHFRONT_ASSIGN_OR_RETURN(sized, Approach(count, detail));
+  MESHFRONT_ASSIGN_OR_RETURN(SizedField sized, Approach(count, line, context));
+  if (!is_reached(sized) && sized.predicted_triangles > target && !uniform) {
+    const double first = std::min(FirstDetail(target), limits_.max_edge);
+    const Line detail{first, limits_.max_edge, exponent, kGradedPart * exponent, sized.parameter};
+    MESHFRONT_ASSIGN_OR_RETURN(sized, Approach(count, detail, context));
   }
   if (!is_reached(sized)) return Unreachable(count, sized.predicted_triangles);
   detail_ = sized.detail;

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -53,7 +52,7 @@ class FieldBuilder {
     added_.push_back({sample.position, std::max(sample.ideal_length, limits_.min_edge)});
   }
 
-  // The field whose predicted count is within 0.3 % of `count`; mostly two or three of them are built. Where even the largest
+  // The field whose predicted count is within 0.3 % of `count`; mostly two of them are built. Where even the largest
   // parameter makes too many, because the surface is rough, detail is left out. InvalidArgument when so few or so many can't be
   // made, with what the nearest makes.
   absl::StatusOr<SizedField> BuildForCount(uint64_t count, const Context& context);
@@ -68,27 +67,32 @@ class FieldBuilder {
   absl::Status MeasureWidths(const Context& context);
   double LengthForWidth(const WidthSample& place) const;
   double CountBesideWidths(const GuidanceField& field) const;
+  absl::StatusOr<SizedField> BuildField(double parameter, const Context& context);
+  absl::StatusOr<SizedField> Sketch(double parameter, const Context& context);
+  absl::StatusOr<SizedField> BuildNear(const SizedField& other, double parameter, const Context& context);
   absl::StatusOr<std::vector<SizingSample>> Samples(uint64_t& clamped, const Context& context) const;
   // Faces that stand for all.
   struct Probe {
     std::vector<Vec3> positions;
     std::vector<std::array<VertexId, 3>> triangles;
     std::vector<double> curvatures;
+    double part_of_area = 1;
   };
-  // A line to search for a count: fields by one growing value.
+  // A line to search for a count: fields by one growing value, the parameter or, at one parameter, the detail.
   struct Line {
-    double first, largest, exponent;
-    std::function<absl::StatusOr<SizedField>(double value)> build;
-    std::function<absl::StatusOr<double>(const SizedField& sized)> improve = nullptr;  // a better value
+    double first, largest;
+    double exponent, slope;  // of the count: were there no grading, and about
+    std::optional<double> detail_at;
   };
   double FirstGuess(double count) const;
   double FirstDetail(double count) const;
   Probe MakeProbe() const;
   double CurvatureOf(double length, double parameter) const;
-  absl::StatusOr<double> ProbeCount(const SizedField& sized, double parameter, const Probe& probe,
-                                    const Context& context);
-  absl::StatusOr<double> Improve(const SizedField& sized, double target, const Context& context);
-  absl::StatusOr<SizedField> Approach(uint64_t count, const Line& line) const;
+  absl::StatusOr<double> CountOnProbe(const GuidanceField& field, const Context& context);
+  absl::StatusOr<double> ProbeCount(const SizedField& sized, double parameter, const Context& context);
+  absl::StatusOr<Line> FindNear(const SizedField& sized, double target, const Context& context);
+  absl::StatusOr<SizedField> Approach(uint64_t count, const Line& line, const Context& context);
+  absl::StatusOr<SizedField> BuildOn(const Line& line, double value, const SizedField* near, const Context& context);
 
   const MeshSurface& surface_;
   const SizingLimits limits_;
@@ -101,6 +105,7 @@ class FieldBuilder {
   std::vector<double> sheet_distances_;
   std::vector<SizingSample> added_;
   std::optional<std::vector<WidthSample>> widths_;  // none: not measured yet
+  std::optional<Probe> probe_;                      // likewise
 };
 
 // The largest part of its component's diagonal that an edge may have where max_edge is not given.

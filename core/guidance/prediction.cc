@@ -19,8 +19,10 @@ namespace {
 
 constexpr size_t kVertexGrain = 1024;  // vertices per block: about 0.2 ms
 constexpr size_t kFaceGrain = 2048;
-// A face is split while an edge is longer than this multiple of its smallest g: below, g varies by less than 1 − 1/η.
-constexpr double kSplitRatio = 1.0;
+// A face is split while an edge is longer than this multiple of its smallest g: below, g varies by less than 1 − 1/η. Where there
+// are many faces the errors of coarser pieces cancel, and the part that is checked corrects what is left of them.
+constexpr double kSplitRatio = 1.0, kSplitRatioOfMany = 2.0;
+constexpr size_t kManyFaces = 32768;
 // The splits of all faces together stay below this many pieces, however coarse the input and fine the field.
 constexpr double kMaxPieces = 1 << 20;
 // What the front makes of an ideal triangle, fitted to runs of the engine over generated shapes at eta from 1.1 to 1.8.
@@ -28,8 +30,6 @@ constexpr double kMorePerSquaredGradient = 2.0;
 constexpr double kFewerPerSquaredBend = 0.16;
 constexpr double kMaxBend = 1.7320508075688772;  // √3: an edge that subtends a third of the circle
 constexpr int kMinDepth = 2, kMaxDepth = 8;
-// How many pieces are checked, about: the ratio that comes of them is then certain to two tenths of a percent.
-constexpr size_t kCheckedPieces = 4096;
 
 struct Corner {
   Vec3 position;
@@ -49,13 +49,14 @@ struct Integrals {
 
 class Integrator {
  public:
-  explicit Integrator(const GuidanceField& field) : field_(field) {}
+  Integrator(const GuidanceField& field, double split_ratio)
+      : field_(field), slope_(1 - 1 / field.eta()), split_ratio_(split_ratio) {}
 
   // `depth`: of further splits, at most. `checks`: < 0: none; else of the parts that the next `checks` splits make each is checked,
   // of those of further splits the one in the middle.
   Integrals Over(const Corner& a, const Corner& b, const Corner& c, int depth, int checks) const {
     const double longest = std::sqrt(SquaredLongestSide(a.position, b.position, c.position));
-    if (depth == 0 || longest <= kSplitRatio * std::min({a.g, b.g, c.g})) return OverLeaf(a, b, c, checks >= 0);
+    if (depth == 0 || longest <= split_ratio_ * std::min({a.g, b.g, c.g})) return OverLeaf(a, b, c, checks >= 0);
     const Corner ab = Middle(a, b), bc = Middle(b, c), ca = Middle(c, a);
     const int outer = checks > 0 ? checks - 1 : -1, inner = checks > 0 ? checks - 1 : checks;
     Integrals sum = Over(a, ab, ca, depth - 1, outer);
@@ -73,27 +74,32 @@ class Integrator {
                (InverseSquare(0.5 * (a.g + b.g)) + InverseSquare(0.5 * (b.g + c.g)) + InverseSquare(0.5 * (c.g + a.g)));
     if (!is_checked || !(area > 0)) return leaf;
     const Vec3 center = (a.position + b.position + c.position) / 3.0;
-    const double corners = InverseSquare(a.g) + InverseSquare(b.g) + InverseSquare(c.g), g = field_.At(center);
+    const double corners = InverseSquare(a.g) + InverseSquare(b.g) + InverseSquare(c.g);
+    const double g = field_.At(center, std::min({BoundAt(center, a), BoundAt(center, b), BoundAt(center, c)}));
     const Vec3 along = Normalized(b.position - a.position), normal = AreaVector(a.position, b.position, c.position);
-    const double gradient2 =
-        SquaredSlope(center, g * along) + SquaredSlope(center, g * Cross(Normalized(normal), along));
+    const double gradient2 = SquaredSlope(center, g, along) + SquaredSlope(center, g, Cross(Normalized(normal), along));
     const double curvature = (a.curvature + b.curvature + c.curvature) / 3;
     leaf.checked = leaf.all;
     leaf.expected =
         area * (0.75 * InverseSquare(g) + corners / 12) * TrianglesPerIdealTriangle(g * curvature, gradient2);
     return leaf;
   }
-  // Of g along `step`, over one edge length to either side: what varies within an edge the front doesn't follow.
-  double SquaredSlope(const Vec3& x, const Vec3& step) const {
-    const double rise = field_.At(x + step) - field_.At(x - step);
+  // Of g along a direction, over one edge length g to either side: what varies within an edge the front doesn't follow.
+  double SquaredSlope(const Vec3& x, double g, const Vec3& along) const {
+    const Vec3 step = g * along;
+    const double bound = (1 + slope_) * g;
+    const double rise = field_.At(x + step, bound) - field_.At(x - step, bound);
     return 0.25 * rise * rise / SquaredNorm(step);
   }
   Corner Middle(const Corner& p, const Corner& q) const {
     const Vec3 x = 0.5 * (p.position + q.position);
-    return {x, field_.At(x), 0.5 * (p.curvature + q.curvature)};
+    return {x, field_.At(x, std::min(BoundAt(x, p), BoundAt(x, q))), 0.5 * (p.curvature + q.curvature)};
   }
+  double BoundAt(const Vec3& x, const Corner& known) const { return known.g + slope_ * Distance(x, known.position); }
 
   const GuidanceField& field_;
+  const double slope_;  // of g, at most
+  const double split_ratio_;
 };
 
 int DepthFor(size_t faces) {
@@ -101,8 +107,9 @@ int DepthFor(size_t faces) {
   return std::clamp(static_cast<int>(levels), kMinDepth, kMaxDepth);
 }
 
-int ChecksFor(size_t faces) {
-  return std::max(0, static_cast<int>(std::log2(kCheckedPieces / static_cast<double>(faces)) / 2));
+int ChecksFor(size_t faces, size_t checked_pieces) {
+  const double pieces_a_face = static_cast<double>(checked_pieces) / static_cast<double>(faces);
+  return std::max(0, static_cast<int>(std::log2(pieces_a_face) / 2));
 }
 
 absl::StatusOr<std::vector<double>> EvaluateVertices(const FaceSpans& faces, const GuidanceField& field,
@@ -126,15 +133,16 @@ double TrianglesPerIdealTriangle(double length_curvature, double squared_gradien
   return kTrianglesPerIdealTriangle + kMorePerSquaredGradient * squared_gradient - kFewerPerSquaredBend * bend * bend;
 }
 
-absl::StatusOr<double> PredictTriangles(const FaceSpans& faces, const GuidanceField& field, const Context& context) {
+absl::StatusOr<double> PredictTriangles(const FaceSpans& faces, const GuidanceField& field, const Context& context,
+                                        size_t checked_pieces) {
   if (faces.triangles.empty()) return 0.0;
   MESHFRONT_ASSIGN_OR_RETURN(const std::vector<double> g, EvaluateVertices(faces, field, context));
   const int depth = DepthFor(faces.triangles.size());
-  const size_t stride = faces.triangles.size() / kCheckedPieces | 1;  // odd: not in step with the rows of a grid
-  const int checks = ChecksFor(faces.triangles.size());
+  const size_t stride = faces.triangles.size() / checked_pieces | 1;  // odd: not in step with the rows of a grid
+  const int checks = ChecksFor(faces.triangles.size(), checked_pieces);
   std::vector<Integrals> sums((faces.triangles.size() + kFaceGrain - 1) / kFaceGrain);
   MESHFRONT_RETURN_IF_ERROR(ParallelFor(faces.triangles.size(), kFaceGrain, context, [&](size_t begin, size_t end) {
-    const Integrator integrator(field);
+    const Integrator integrator(field, faces.triangles.size() < kManyFaces ? kSplitRatio : kSplitRatioOfMany);
     for (size_t f = begin; f < end; ++f) {
       Corner corners[3];
       for (int i = 0; i < 3; ++i) {

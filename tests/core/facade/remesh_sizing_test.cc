@@ -87,13 +87,13 @@ const char* NameOf(Sizing sizing) {
 
 class EveryCount : public ::testing::TestWithParam<std::tuple<ZooShape, Sizing, double>> {};
 
-// Where edges may differ by half the prediction knows less.
+// So few are held back and made again where the prediction was wrong, which knows less where edges may differ by half.
 TEST_P(EveryCount, ComesOutWithinThreePercent) {
   const auto& [shape, sizing, eta] = GetParam();
   const uint64_t count = kFine ? 8000 : 2500;
   const Outcome out = RemeshOrFail(shape.make(), Counting(sizing, count, eta));
   const double got = static_cast<double>(out.report.output.triangles);
-  EXPECT_NEAR(got / static_cast<double>(count), 1, eta < 1.3 ? (kFine ? 0.03 : 0.04) : 0.08);
+  EXPECT_NEAR(got / static_cast<double>(count), 1, !kFine || eta < 1.3 ? 0.03 : 0.08);
   EXPECT_NEAR(static_cast<double>(out.report.predicted_triangles) / static_cast<double>(count), 1, 0.01);
   EXPECT_EQ(out.report.parameters.target_triangles, count);
 }
