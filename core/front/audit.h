@@ -11,9 +11,9 @@ namespace meshfront {
 
 using WindowTrianglePairs = std::vector<std::pair<WindowTriangleId, WindowTriangleId>>;
 
-// Pairs of triangles of the window that meet in more than what they share, the first of each about to leave; window vertices of
-// one joint are one vertex. Pairs that share a vertex around which the triangles lie side by side are not tested. Deterministic.
-// O(window · log window), plus the pairs of overlapping boxes.
+// Pairs of triangles of the window that meet in more than what they share, the first of each about to leave; vertices of rims and
+// creases at equal places are one vertex. Pairs that share a vertex around which the triangles lie side by side are not tested.
+// Deterministic. O(window · log window), plus the pairs of overlapping boxes.
 WindowTrianglePairs FindIntersections(const FrontSet& fronts, absl::FunctionRef<bool(WindowTriangleId)> leaves);
 
 }  // namespace meshfront
