@@ -49,16 +49,13 @@ constexpr double kMaxStep = 1.5;  // of the parameter's logarithm
 constexpr double kTellingStep = 0.5;
 constexpr double kJump = 1e-3;       // of the parameter's logarithm: the count is not continuous
 constexpr double kSameCount = 1e-4;  // of the count's logarithm: the parameter has lost its influence
+constexpr double kErrorCountFactor = 1.01, kRefinedPerLeftOut = 0.1, kMostLeftOut = 0.1;
 constexpr double kThicknessHeadroom = 1.2;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // How the count follows the parameter: as its power with this exponent, were there no grading. The grading makes it slower.
 double ExponentOf(Sizing sizing) { return sizing == Sizing::kError ? -1 : -2; }
 constexpr double kGradedPart = 0.75;
-
-// Where the distance is held constant fields have wider plateaus, and the front makes more of their slopes than the prediction
-// tells; and up to three in a hundred come from refinement, none on smooth surfaces. Fitted like the rest of it.
-double CountFactorOf(Sizing sizing) { return sizing == Sizing::kError ? 1.01 : 1; }
 
 // The parameter's largest value; beyond, nothing changes.
 double LargestParameter(const SizingLimits& limits) {
@@ -161,12 +158,42 @@ double FieldBuilder::IdealLengthAt(double max_curvature) const {
   return std::clamp(LengthAt(max_curvature), limits_.min_edge, longest);
 }
 
+// For a count at constant error detail narrower than the edges is left to what refinement may add. Where a bound is given it has to keep
+// that anyway, and predicts no vertices of its own; an angle is the surface's own.
+absl::Status FieldBuilder::SetCurvatures(const Context& context) {
+  const absl::Span<const double> own = surface_.vertex_curvatures();
+  if (limits_.sizing != Sizing::kError || !is_counting_) {
+    if (curvatures_.empty()) curvatures_.assign(own.begin(), own.end());
+    return absl::OkStatus();
+  }
+  if (averaged_at_ == std::pair(parameter_, detail_)) return absl::OkStatus();
+  if (!average_) {
+    MESHFRONT_ASSIGN_OR_RETURN(average_, CurvatureAverage::Create(surface_, context));
+  }
+  const auto length = [&](double curvature) { return IdealLengthAt(curvature); };
+  MESHFRONT_ASSIGN_OR_RETURN(curvatures_, average_->ForEdges(length, limits_.eta, context));
+  double whole = 0, left = 0;
+  for (size_t v = 0; v < own.size(); ++v) whole += own[v], left += curvatures_[v];
+  left_out_ = whole > 0 ? 1 - left / whole : 0;
+  averaged_at_ = {parameter_, detail_};
+  return absl::OkStatus();
+}
+
+// Where the distance is held constant fields have wider plateaus, and the front makes more of their slopes than the prediction
+// tells; and up to four in a hundred come from refinement, none on smooth surfaces. Fitted like the rest of it.
+double FieldBuilder::CountFactor() const {
+  if (limits_.sizing != Sizing::kError) return 1;
+  return kErrorCountFactor + kRefinedPerLeftOut * std::min(left_out_, kMostLeftOut);
+}
+
 absl::Status FieldBuilder::MeasureThickness(const Context& context) {
   if (parameter_ <= measured_ && detail_ <= measured_detail_) return absl::OkStatus();
   const double wanted = parameter_, wanted_detail = detail_;
   parameter_ = std::min(headroom_ * wanted, LargestParameter(limits_));
   detail_ *= headroom_;
-  auto distances = surface_.SheetDistances([&](double curvature) { return IdealLengthAt(curvature); }, context);
+  std::vector<double> lengths;
+  for (const double curvature : curvatures_) lengths.push_back(IdealLengthAt(curvature));
+  auto distances = surface_.SheetDistances(lengths, context);
   measured_ = std::exchange(parameter_, wanted);
   measured_detail_ = std::exchange(detail_, wanted_detail);
   MESHFRONT_ASSIGN_OR_RETURN(sheet_distances_, std::move(distances));
@@ -190,8 +217,7 @@ absl::Status FieldBuilder::MeasureWidths(const Context& context) {
 // +infinity where the patch is wide enough.
 double FieldBuilder::LengthForWidth(const WidthSample& place) const {
   const VertexId a = OriginOf(surface_.mesh(), place.half_edge), b = TargetOf(surface_.mesh(), place.half_edge);
-  const absl::Span<const double> curvatures = surface_.vertex_curvatures();
-  const double curvature = std::max(curvatures[a.index()], curvatures[b.index()]);
+  const double curvature = std::max(curvatures_[a.index()], curvatures_[b.index()]);
   const double wanted = std::min({LengthAt(curvature), longest_[a.index()], limits_.max_edge});
   const double least = kLeastForWidth * wanted;
   double length = limits_.eta * kEdgePerWidth * place.width;
@@ -213,8 +239,10 @@ double FieldBuilder::CountBesideWidths(const GuidanceField& field) const {
 
 absl::StatusOr<std::vector<SizingSample>> FieldBuilder::Samples(uint64_t& clamped, const Context& context) const {
   const auto ideal_length = [&](double max_curvature) { return IdealLengthAt(max_curvature); };
+  std::vector<double> lengths;
+  for (const double curvature : curvatures_) lengths.push_back(IdealLengthAt(curvature));
   MESHFRONT_ASSIGN_OR_RETURN(const std::vector<CurvatureSample> places,
-                             surface_.CurvatureSamples(ideal_length, sheet_distances_, context));
+                             surface_.CurvatureSamples(curvatures_, lengths, sheet_distances_, context));
   const bool uniform = limits_.sizing == Sizing::kUniform;
   std::vector<SizingSample> samples;
   samples.reserve(uniform ? 0 : places.size());
@@ -242,6 +270,7 @@ absl::StatusOr<std::vector<SizingSample>> FieldBuilder::Samples(uint64_t& clampe
 absl::StatusOr<SizedField> FieldBuilder::BuildField(double parameter, const Context& context) {
   parameter_ = parameter;
   MESHFRONT_RETURN_IF_ERROR(MeasureWidths(context));
+  MESHFRONT_RETURN_IF_ERROR(SetCurvatures(context));
   uint64_t clamped = 0;
   MESHFRONT_ASSIGN_OR_RETURN(std::vector<SizingSample> samples, Samples(clamped, context));
   const GuidanceOptions options{limits_.eta, limits_.min_edge, LongestGuidance()};
@@ -251,11 +280,12 @@ absl::StatusOr<SizedField> FieldBuilder::BuildField(double parameter, const Cont
 
 absl::StatusOr<SizedField> FieldBuilder::Build(double parameter, const Context& context) {
   parameter_ = parameter;
+  MESHFRONT_RETURN_IF_ERROR(SetCurvatures(context));
   MESHFRONT_RETURN_IF_ERROR(MeasureThickness(context));
   MESHFRONT_ASSIGN_OR_RETURN(SizedField sized, BuildField(parameter, context));
-  const FaceSpans faces{surface_.mesh().positions, surface_.mesh().triangles, surface_.vertex_curvatures()};
+  const FaceSpans faces{surface_.mesh().positions, surface_.mesh().triangles, curvatures_};
   MESHFRONT_ASSIGN_OR_RETURN(const double by_area, PredictTriangles(faces, sized.field, context));
-  sized.predicted_triangles = CountFactorOf(limits_.sizing) * by_area + CountBesideWidths(sized.field);
+  sized.predicted_triangles = CountFactor() * by_area + CountBesideWidths(sized.field);
   return sized;
 }
 
@@ -263,14 +293,14 @@ absl::StatusOr<SizedField> FieldBuilder::Build(double parameter, const Context& 
 absl::StatusOr<SizedField> FieldBuilder::Sketch(double parameter, const Context& context) {
   MESHFRONT_ASSIGN_OR_RETURN(SizedField sized, BuildField(parameter, context));
   MESHFRONT_ASSIGN_OR_RETURN(const double part, CountOnProbe(sized.field, context));
-  sized.predicted_triangles =
-      CountFactorOf(limits_.sizing) * part / probe_->part_of_area + CountBesideWidths(sized.field);
+  sized.predicted_triangles = CountFactor() * part / probe_->part_of_area + CountBesideWidths(sized.field);
   return sized;
 }
 
 // The field of a parameter near that of another, whose count is known.
 absl::StatusOr<SizedField> FieldBuilder::BuildNear(const SizedField& other, double parameter, const Context& context) {
   parameter_ = parameter;
+  MESHFRONT_RETURN_IF_ERROR(SetCurvatures(context));
   MESHFRONT_RETURN_IF_ERROR(MeasureThickness(context));
   MESHFRONT_ASSIGN_OR_RETURN(SizedField sized, BuildField(parameter, context));
   MESHFRONT_ASSIGN_OR_RETURN(const double before, CountOnProbe(other.field, context));
@@ -425,6 +455,7 @@ absl::StatusOr<SizedField> FieldBuilder::BuildOn(const Line& line, double value,
 
 absl::StatusOr<SizedField> FieldBuilder::BuildForCount(uint64_t count, const Context& context) {
   headroom_ = kThicknessHeadroom;
+  is_counting_ = true;
   detail_ = 0;
   const double target = static_cast<double>(count);
   const auto is_reached = [&](const SizedField& sized) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -14,6 +15,7 @@
 #include "core/features/patch_width.h"
 #include "core/guidance/guidance_field.h"
 #include "core/remesh.h"
+#include "core/surface/curvature_average.h"
 #include "core/surface/mesh_surface.h"
 
 namespace meshfront {
@@ -63,9 +65,11 @@ class FieldBuilder {
   double LengthAt(double max_curvature) const;
   double LengthForSheet(const CurvatureSample& place) const;
   double IdealLengthAt(double max_curvature) const;
+  absl::Status SetCurvatures(const Context& context);
   absl::Status MeasureThickness(const Context& context);
   absl::Status MeasureWidths(const Context& context);
   double LengthForWidth(const WidthSample& place) const;
+  double CountFactor() const;
   double CountBesideWidths(const GuidanceField& field) const;
   absl::StatusOr<SizedField> BuildField(double parameter, const Context& context);
   absl::StatusOr<SizedField> Sketch(double parameter, const Context& context);
@@ -96,12 +100,17 @@ class FieldBuilder {
 
   const MeshSurface& surface_;
   const SizingLimits limits_;
-  std::vector<double> longest_;  // ideal length of each vertex, by its component's size
-  double parameter_ = 0;         // in force
-  double detail_ = 0;            // in force
-  double headroom_ = 1;          // thickness is measured for a parameter that much larger
-  double measured_ = 0;          // the parameter that thickness was measured for; 0: not yet
-  double measured_detail_ = 0;   // … and the detail
+  std::vector<double> longest_;                       // ideal length of each vertex, by its component's size
+  double parameter_ = 0;                              // in force
+  double detail_ = 0;                                 // in force
+  double headroom_ = 1;                               // thickness is measured for a parameter that much larger
+  double measured_ = 0;                               // the parameter that thickness was measured for; 0: not yet
+  double measured_detail_ = 0;                        // … and the detail
+  bool is_counting_ = false;                          // a number of triangles is wanted
+  std::optional<CurvatureAverage> average_;           // none: not needed yet
+  std::vector<double> curvatures_;                    // of the vertices, in force
+  std::pair<double, double> averaged_at_ = {-1, -1};  // at a parameter and a detail
+  double left_out_ = 0;                               // of the sum of curvatures, by averaging
   std::vector<double> sheet_distances_;
   std::vector<SizingSample> added_;
   std::optional<std::vector<WidthSample>> widths_;  // none: not measured yet

@@ -94,41 +94,38 @@ absl::Status MeshSurface::ComputeCurvature(const Context& context) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::vector<double>> MeshSurface::SheetDistances(
-    absl::FunctionRef<double(double max_curvature)> ideal_length, const Context& context) const {
-  if (!has_curvature_) return absl::FailedPreconditionError("the curvature must be computed before it is sampled");
+absl::StatusOr<std::vector<double>> MeshSurface::SheetDistances(absl::Span<const double> ideal_lengths,
+                                                                const Context& context) const {
   const double longest = kThicknessOfDiagonal * BoundingBox(mesh_, adjacency_).Diagonal();
-  std::vector<double> limits(curvatures_.size());
-  for (size_t v = 0; v < limits.size(); ++v) {
-    limits[v] = std::min(kThicknessOfLength * ideal_length(curvatures_[v]), longest);
-  }
+  std::vector<double> limits(ideal_lengths.begin(), ideal_lengths.end());
+  for (double& limit : limits) limit = std::min(kThicknessOfLength * limit, longest);
   return MeasureSheetDistances(mesh_, adjacency_, normals_, limits, context, {whole_opposite_, originals_});
 }
 
 absl::StatusOr<std::vector<CurvatureSample>> MeshSurface::CurvatureSamples(
     absl::FunctionRef<double(double max_curvature)> ideal_length, bool with_thickness, const Context& context) const {
-  std::vector<double> distances;
+  if (!has_curvature_) return absl::FailedPreconditionError("the curvature must be computed before it is sampled");
+  std::vector<double> ideal_lengths, distances;
+  for (const double curvature : curvatures_) ideal_lengths.push_back(ideal_length(curvature));
   if (with_thickness) {
-    MESHFRONT_ASSIGN_OR_RETURN(distances, SheetDistances(ideal_length, context));
+    MESHFRONT_ASSIGN_OR_RETURN(distances, SheetDistances(ideal_lengths, context));
   }
-  return CurvatureSamples(ideal_length, distances, context);
+  return CurvatureSamples(curvatures_, ideal_lengths, distances, context);
 }
 
-absl::StatusOr<std::vector<CurvatureSample>> MeshSurface::CurvatureSamples(
-    absl::FunctionRef<double(double max_curvature)> ideal_length, absl::Span<const double> sheet_distances,
-    const Context& context) const {
-  if (!has_curvature_) return absl::FailedPreconditionError("the curvature must be computed before it is sampled");
-  std::vector<double> ideal_lengths(curvatures_.size());
-  for (size_t v = 0; v < curvatures_.size(); ++v) ideal_lengths[v] = ideal_length(curvatures_[v]);
+absl::StatusOr<std::vector<CurvatureSample>> MeshSurface::CurvatureSamples(absl::Span<const double> curvatures,
+                                                                           absl::Span<const double> ideal_lengths,
+                                                                           absl::Span<const double> sheet_distances,
+                                                                           const Context& context) const {
   std::vector<CurvatureSample> samples;
   samples.reserve(mesh_.positions.size());
   for (size_t v = 0; v < mesh_.positions.size(); ++v) {
     if (adjacency_.outgoing[v] == kNoHalfEdge) continue;
     const double distance = sheet_distances.empty() ? INFINITY : sheet_distances[v];
     const double edge = std::isfinite(distance) ? MeanEdgeAt(mesh_, adjacency_, static_cast<uint32_t>(v)) : 0;
-    samples.push_back({mesh_.positions[v], curvatures_[v], distance, edge});
+    samples.push_back({mesh_.positions[v], curvatures[v], distance, edge});
   }
-  Densifier densifier(mesh_, curvatures_, ideal_lengths, samples);
+  Densifier densifier(mesh_, curvatures, ideal_lengths, samples);
   for (uint32_t f = 0; f < mesh_.triangles.size(); ++f) {
     if (f % kCheckEvery == 0) MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
     const Triangle& t = mesh_.triangles[f];

@@ -95,13 +95,14 @@ class MeshSurface final : public Surface {
   // FailedPrecondition before ComputeCurvature. `ideal_length` is called from one thread.
   absl::StatusOr<std::vector<CurvatureSample>> CurvatureSamples(
       absl::FunctionRef<double(double max_curvature)> ideal_length, bool with_thickness, const Context& context) const;
-  // The two parts of it, for callers that sample more than once: the distances of every vertex, and the samples with these
-  // (empty: none was measured).
-  absl::StatusOr<std::vector<double>> SheetDistances(absl::FunctionRef<double(double max_curvature)> ideal_length,
+  // The two parts of it, for callers that sample more than once or with other curvatures of the vertices: the distances of every
+  // vertex, of which `ideal_lengths` are the longest edges; and the samples with these (empty: none was measured).
+  absl::StatusOr<std::vector<double>> SheetDistances(absl::Span<const double> ideal_lengths,
                                                      const Context& context) const;
-  absl::StatusOr<std::vector<CurvatureSample>> CurvatureSamples(
-      absl::FunctionRef<double(double max_curvature)> ideal_length, absl::Span<const double> sheet_distances,
-      const Context& context) const;
+  absl::StatusOr<std::vector<CurvatureSample>> CurvatureSamples(absl::Span<const double> curvatures,
+                                                                absl::Span<const double> ideal_lengths,
+                                                                absl::Span<const double> sheet_distances,
+                                                                const Context& context) const;
 
   // Surface: see there. FindApex below 1 µs, Snap below 0.5 µs where edges are up to five of the input long.
   std::optional<SourcePoint> FindApex(const SourcePoint& a, const SourcePoint& b, double radius_a,

@@ -60,4 +60,9 @@ inline constexpr size_t kMaxShadowFaces = 4096;
 // Pairs of faces that meet which are remembered with their places, 50 MB: beyond, a mesh is more knot than surface.
 inline constexpr size_t kMaxSelfMeetings = 200000;
 
+// Passes of averaging over rings for each time that the input has as many triangles again as the output: n passes reach √(n/2) edges.
+inline constexpr double kPassesPerCoarser = 1.5, kMaxPasses = 64;
+// A vertex's curvature in parts of the average around it, at most.
+inline constexpr double kMostPerAverage = 2.0;
+
 }  // namespace meshfront::surface_tolerances

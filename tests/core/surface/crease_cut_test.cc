@@ -270,7 +270,8 @@ TEST(MeetsItselfNear, IsNotSaidOfFansThatWereParted) {
 
 // The distances that the samples at the vertices carry, with the same ideal length everywhere.
 std::vector<double> SheetDistances(const MeshSurface& surface, double length) {
-  auto distances = surface.SheetDistances([&](double) { return length; }, Context{});
+  const std::vector<double> lengths(surface.mesh().positions.size(), length);
+  auto distances = surface.SheetDistances(lengths, Context{});
   EXPECT_THAT(distances, IsOk());
   return *std::move(distances);
 }
