@@ -187,13 +187,19 @@ MESHFRONT_WIDE double ConeTree::SearchBelow(uint32_t root, uint32_t skipped_lane
       BoundChildren(nodes_[at], x, bounds);
       if (skipped_lane != kNoLane) bounds[skipped_lane] = kInfinity;
       skipped_lane = kNoLane;
-      // The most promising child ends on top.
-      double lowest = kInfinity;
+      // On to the most promising child; the others wait. Without branches: which of the four stay can't be foretold.
+      double lowest = limit;
+      int first = count;
       for (int i = 0; i < kLanes; ++i) {
-        if (!(bounds[i] < limit)) continue;
-        waiting[count++] = {bounds[i], nodes_[at].child[i]};
-        if (bounds[i] >= lowest) std::swap(waiting[count - 1], waiting[count - 2]);
-        lowest = std::min(lowest, bounds[i]);
+        waiting[count] = {bounds[i], nodes_[at].child[i]};
+        first = bounds[i] < lowest ? count : first;
+        lowest = bounds[i] < lowest ? bounds[i] : lowest;
+        count += bounds[i] < limit;
+      }
+      if (lowest < limit) {
+        at = waiting[first].child;
+        waiting[first] = waiting[--count];
+        continue;
       }
     }
     do {
