@@ -63,8 +63,12 @@ uint32_t SplitOf(absl::Span<const uint64_t> codes, uint32_t begin, uint32_t end)
   return high;
 }
 
-float RoundedDown(double x) { return std::nextafter(static_cast<float>(x), -std::numeric_limits<float>::infinity()); }
-float RoundedUp(double x) { return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity()); }
+// One or two floats farther out than x.
+float RoundedDown(double x) {
+  const float nearest = static_cast<float>(x);
+  return nearest - std::numeric_limits<float>::epsilon() * std::abs(nearest) - std::numeric_limits<float>::min();
+}
+float RoundedUp(double x) { return -RoundedDown(-x); }
 
 }  // namespace
 

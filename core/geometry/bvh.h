@@ -219,10 +219,9 @@ void TriangleBvh::VisitOverlaps(const Box3& box, Visit&& visit) const {
 }
 
 inline bool TriangleBvh::Meet(const Node& a, const Node& b) {
-  for (int i = 0; i < 3; ++i) {
-    if (a.max[i] < b.min[i] || b.max[i] < a.min[i]) return false;
-  }
-  return true;
+  bool apart = false;  // without branches, as below: either answer is as likely
+  for (int i = 0; i < 3; ++i) apart |= (a.max[i] < b.min[i]) | (b.max[i] < a.min[i]);
+  return !apart;
 }
 
 // Both trees, the same twice, are gone down together.
@@ -233,8 +232,8 @@ void TriangleBvh::VisitOverlappingPairs(Visit&& visit) const {
   boxes.reserve(order_.size());
   for (const uint32_t f : order_) boxes.push_back(BoxOf(FaceId(f)));
   const auto meet = [](const Box3& a, const Box3& b) {
-    return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y && a.min.z <= b.max.z &&
-           b.min.z <= a.max.z;
+    return (a.min.x <= b.max.x) & (b.min.x <= a.max.x) & (a.min.y <= b.max.y) & (b.min.y <= a.max.y) &
+           (a.min.z <= b.max.z) & (b.min.z <= a.max.z);
   };
   const auto visit_leaves = [&](const Node& a, const Node& b) {
     for (uint32_t i = a.first; i < a.first + a.count; ++i) {
