@@ -16,6 +16,15 @@ constexpr double kCellPerLevel = 8.0;  // cell size in multiples of 2^level; coa
 constexpr int kLevelOffset = 1080;     // exponent -1074 and below becomes level >= 0
 
 constexpr double kFocusSlack = 1 + 1e-12;  // for rounding
+// In parts of the focus, and of a ball's radius: more than floats lose of both.
+constexpr double kFloatSlack = 1e-5;
+constexpr float kOutOfReach = 1e18f;
+
+typedef float Floats __attribute__((vector_size(16)));
+typedef float UnalignedFloats __attribute__((vector_size(16), aligned(4), may_alias));
+inline const UnalignedFloats& FloatsAt(const float* values) {
+  return *reinterpret_cast<const UnalignedFloats*>(values);
+}
 
 double CellSize(int level) { return std::ldexp(kCellPerLevel, level - kLevelOffset); }
 
@@ -136,48 +145,59 @@ void FenceIndex::Erase(FrontEdgeId edge) {
 }
 
 // Places beyond the focus count as on its border, for edges and for queries: nothing gets lost.
-int FenceIndex::FocusCoordinate(double x, int axis) const {
-  const double place = (x - focus_.center[axis]) / focus_.radius;
-  return static_cast<int>(std::clamp((place + 1) * (0.5 * kFocusCells), 0.0, kFocusCells - 0.5));
+int FenceIndex::StripAt(double x) const {
+  const double place = (x - focus_.center[focus_axis_]) / focus_.radius;
+  return static_cast<int>(std::clamp((place + 1) * (0.5 * kStrips), 0.0, kStrips - 0.5));
 }
 
 void FenceIndex::AddToFocus(uint32_t slot) {
   Slot& s = slots_[slot];
-  s.focus_cell = kNotInFocus;
+  s.focus_strip = kNotInFocus;
   const double reach = focus_.radius + s.ball.radius;
   if (!(focus_.radius > 0 && SquaredDistance(s.ball.center, focus_.center) <= reach * reach)) return;
-  int cell = 0;
-  for (const int axis : focus_axes_) cell = kFocusCells * cell + FocusCoordinate(s.ball.center[axis], axis);
-  uint32_t& head = focus_cells_[cell];
-  s.focus_cell = static_cast<uint16_t>(cell);
-  s.focus_prev = kNone;
-  s.focus_next = head;
-  if (head != kNone) slots_[head].focus_prev = slot;
-  head = slot;
+  s.focus_strip = static_cast<uint16_t>(StripAt(s.ball.center[focus_axis_]));
+  Strip& strip = strips_[s.focus_strip];
+  s.focus_place = strip.count++;
+  const uint32_t lane = s.focus_place % kLanes;
+  if (lane == 0) {
+    Block& made = strip.blocks.emplace_back();
+    std::fill_n(made.x, kLanes, kOutOfReach);
+  }
+  Block& block = strip.blocks.back();
+  const Vec3 place = (s.ball.center - focus_.center) / focus_.radius;
+  block.x[lane] = static_cast<float>(place.x);
+  block.y[lane] = static_cast<float>(place.y);
+  block.z[lane] = static_cast<float>(place.z);
+  block.radius[lane] = static_cast<float>(s.ball.radius / focus_.radius * (1 + kFloatSlack));
+  block.slot[lane] = slot;
   largest_in_focus_ = std::max(largest_in_focus_, s.ball.radius);
 }
 
+// The last of the strip takes the place.
 void FenceIndex::DropFromFocus(uint32_t slot) {
   Slot& s = slots_[slot];
-  if (s.focus_cell == kNotInFocus) return;
-  if (s.focus_prev != kNone)
-    slots_[s.focus_prev].focus_next = s.focus_next;
-  else
-    focus_cells_[s.focus_cell] = s.focus_next;
-  if (s.focus_next != kNone) slots_[s.focus_next].focus_prev = s.focus_prev;
-  s.focus_cell = kNotInFocus;
+  if (s.focus_strip == kNotInFocus) return;
+  Strip& strip = strips_[s.focus_strip];
+  Block &to = strip.blocks[s.focus_place / kLanes], &from = strip.blocks.back();
+  const uint32_t i = s.focus_place % kLanes, last = --strip.count % kLanes;
+  to.x[i] = from.x[last], to.y[i] = from.y[last], to.z[i] = from.z[last];
+  to.radius[i] = from.radius[last], to.slot[i] = from.slot[last];
+  slots_[to.slot[i]].focus_place = s.focus_place;
+  from.x[last] = kOutOfReach;
+  if (last == 0) strip.blocks.pop_back();
+  s.focus_strip = kNotInFocus;
 }
 
 void FenceIndex::Focus(const Vec3& center, double radius, const Vec3& normal) {
-  for (uint32_t& head : focus_cells_) {
-    while (head != kNone) DropFromFocus(head);
+  for (Strip& strip : strips_) {
+    for (uint32_t i = 0; i < strip.count; ++i)
+      slots_[strip.blocks[i / kLanes].slot[i % kLanes]].focus_strip = kNotInFocus;
+    strip.blocks.clear();
+    strip.count = 0;
   }
   EndFocus();
-  focus_cells_.resize(kFocusCells * kFocusCells, kNone);
   const double x = std::abs(normal.x), y = std::abs(normal.y), z = std::abs(normal.z);
-  const int along = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
-  focus_axes_[0] = along == 0 ? 1 : 0;
-  focus_axes_[1] = along == 2 ? 1 : 2;
+  focus_axis_ = x <= y && x <= z ? 0 : y <= z ? 1 : 2;
   largest_in_focus_ = 0;
   std::vector<FrontEdgeId> found;
   Query(center, radius, found);
@@ -185,23 +205,35 @@ void FenceIndex::Focus(const Vec3& center, double radius, const Vec3& normal) {
   for (const FrontEdgeId edge : found) AddToFocus(edge.index());
 }
 
+// Four balls at a time, coarsely; what is left is looked at as outside the focus.
 void FenceIndex::QueryFocus(const Vec3& center, double radius, std::vector<FrontEdgeId>& found) const {
-  const double reach = radius + largest_in_focus_;
-  int low[2], high[2];
-  for (int i = 0; i < 2; ++i) {
-    const int axis = focus_axes_[i];
-    low[i] = FocusCoordinate(center[axis] - reach, axis);
-    high[i] = FocusCoordinate(center[axis] + reach, axis);
-  }
-  for (int u = low[0]; u <= high[0]; ++u) {
-    const uint32_t* heads = &focus_cells_[kFocusCells * u];
-    for (int v = low[1]; v <= high[1]; ++v) {
-      for (uint32_t i = heads[v]; i != kNone; i = slots_[i].focus_next) {
-        const double r = radius + slots_[i].ball.radius;
-        if (SquaredDistance(slots_[i].ball.center, center) <= r * r) found.push_back(FrontEdgeId(i));
+  const double reach = radius + largest_in_focus_, middle = center[focus_axis_];
+  const int low = StripAt(middle - reach), high = StripAt(middle + reach);
+  const Vec3 place = (center - focus_.center) / focus_.radius;
+  const float x = static_cast<float>(place.x), y = static_cast<float>(place.y), z = static_cast<float>(place.z);
+  const float r = static_cast<float>(radius / focus_.radius * (1 + kFloatSlack) + kFloatSlack);
+  const size_t before = found.size();
+  size_t count = before, most = before + kLanes;
+  for (int i = low; i <= high; ++i) most += kLanes * strips_[i].blocks.size();
+  found.resize(most);
+  for (int i = low; i <= high; ++i) {
+    for (const Block& block : strips_[i].blocks) {
+      const Floats dx = FloatsAt(block.x) - x, dy = FloatsAt(block.y) - y, dz = FloatsAt(block.z) - z;
+      const Floats apart = FloatsAt(block.radius) + r;
+      const auto meets = dx * dx + dy * dy + dz * dz <= apart * apart;
+      for (uint32_t lane = 0; lane < kLanes; ++lane) {  // no branches: most are neither far nor near
+        found[count] = FrontEdgeId(block.slot[lane]);
+        count -= meets[lane];
       }
     }
   }
+  const auto is_far = [&](FrontEdgeId edge) {
+    const Ball& ball = slots_[edge.index()].ball;
+    const double apart = radius + ball.radius;
+    return !(SquaredDistance(ball.center, center) <= apart * apart);
+  };
+  found.resize(count);
+  found.erase(std::remove_if(found.begin() + before, found.end(), is_far), found.end());
 }
 
 void FenceIndex::Query(const Vec3& center, double radius, std::vector<FrontEdgeId>& found) const {

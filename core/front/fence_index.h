@@ -72,8 +72,8 @@ class FenceIndex {
     double radius = 0;
   };
   const Ball& BallOf(FrontEdgeId edge) const { return slots_[edge.index()].ball; }
-  // From now on, until the next call, queries inside this ball are cheaper: it has a grid of its own, without hashing or
-  // levels, of columns that stand along the axis nearest to `normal`.
+  // From now on, until the next call, queries inside this ball are cheaper: its edges are kept apart, without hashing or levels, in
+  // strips across the axis farthest from `normal`.
   void Focus(const Vec3& center, double radius, const Vec3& normal);
   void EndFocus() { focus_.radius = 0; }
   // Appends the edges that may come within `radius` of `center` (all that do, and some that do not), in an order that depends on
@@ -86,15 +86,25 @@ class FenceIndex {
     Ball ball;
     uint64_t cell = 0;
     uint32_t next = kNone, prev = kNone;
-    uint32_t place = 0;                               // among the members of its level
-    uint32_t focus_next = kNone, focus_prev = kNone;  // among those in its cell of the focus
-    int16_t level = -1;                               // −1: not in the index
-    uint16_t focus_cell = kNotInFocus;
+    uint32_t place = 0;        // among the members of its level
+    uint32_t focus_place = 0;  // in its strip of the focus
+    int16_t level = -1;        // −1: not in the index
+    uint16_t focus_strip = kNotInFocus;
+  };
+  // Balls of edges in the focus, in parts of its own, four side by side. Places that are not used are out of reach.
+  static constexpr uint32_t kLanes = 4;
+  struct Block {
+    float x[kLanes], y[kLanes], z[kLanes], radius[kLanes];
+    uint32_t slot[kLanes];
+  };
+  struct Strip {
+    std::vector<Block> blocks;
+    uint32_t count = 0;  // of edges
   };
   static constexpr uint32_t kNone = 0xffffffffu;
   static constexpr uint16_t kNotInFocus = 0xffffu;
-  static constexpr int kFocusCells = 16;  // an axis
-  static constexpr int kLevels = 2100;    // every exponent a double has
+  static constexpr int kStrips = 16;
+  static constexpr int kLevels = 2100;  // every exponent a double has
 
   uint64_t CellOf(int level, int64_t x, int64_t y, int64_t z) const;
   uint32_t& Bucket(uint64_t cell) { return buckets_[cell & (buckets_.size() - 1)]; }
@@ -102,7 +112,7 @@ class FenceIndex {
   void Rehash();
   void AddToFocus(uint32_t slot);
   void DropFromFocus(uint32_t slot);
-  int FocusCoordinate(double x, int axis) const;
+  int StripAt(double x) const;
   void QueryFocus(const Vec3& center, double radius, std::vector<FrontEdgeId>& found) const;
 
   const FrontSet* fronts_;
@@ -113,9 +123,9 @@ class FenceIndex {
   std::vector<int> levels_in_use_;
   size_t count_ = 0;
   Ball focus_;  // radius 0: none
-  int focus_axes_[2] = {0, 1};
-  double largest_in_focus_ = 0;        // of the balls' radii
-  std::vector<uint32_t> focus_cells_;  // kFocusCells² first slots
+  int focus_axis_ = 0;
+  double largest_in_focus_ = 0;  // of the balls' radii
+  std::array<Strip, kStrips> strips_;
 };
 
 }  // namespace meshfront
