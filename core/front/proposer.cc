@@ -351,10 +351,9 @@ bool Proposer::StandsForSurface(const SourcePoint& a, const SourcePoint& b, cons
                                 bool new_side_b, double tolerance) const {
   const auto side = [&](const SourcePoint& from, const SourcePoint& to) {
     const Vec3 middle = 0.5 * (from.position + to.position);
-    const SourcePoint x = surface_.Snap(from, middle);
+    const SourcePoint x = surface_.Foot(from, middle);
     if (Distance(x.position, middle) > tolerance) return false;
-    const double length = Distance(from.position, to.position);
-    return Distance(surface_.Snap(x, to.position).position, to.position) <= kSameSheetResidual * length;
+    return surface_.Reaches(x, to, kSameSheetResidual * Distance(from.position, to.position));
   };
   if (new_side_a && !side(a, apex)) return false;
   if (new_side_b && !side(b, apex)) return false;

@@ -353,14 +353,14 @@ void SettlingWindow::FindFeet() {
     const WindowTriangle& t = fronts_.at(around_[i]);
     if (!t.alive) continue;
     const WindowVertex* v[3] = {&fronts_.at(t.corners[0]), &fronts_.at(t.corners[1]), &fronts_.at(t.corners[2])};
-    const SourcePoint middle = surface_.Snap(v[0]->source, (v[0]->position + v[1]->position + v[2]->position) / 3.0);
+    const SourcePoint middle = surface_.Foot(v[0]->source, (v[0]->position + v[1]->position + v[2]->position) / 3.0);
     feet_[i].centroid = middle.position;
     for (int side = 0; side < 3; ++side) {
       const Link across = t.across[side];
       const uint32_t other = across.is_half_edge() ? place_in_around_[across.triangle().index()] : kNotAround;
       feet_[i].middle[side] =
           other < i ? feet_[other].middle[across.side()]
-                    : surface_.Snap(middle, 0.5 * (v[side]->position + v[(side + 1) % 3]->position)).position;
+                    : surface_.Foot(middle, 0.5 * (v[side]->position + v[(side + 1) % 3]->position)).position;
     }
   }
 }

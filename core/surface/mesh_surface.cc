@@ -180,6 +180,16 @@ SourcePoint MeshSurface::Snap(const SourcePoint& start, const Vec3& target) cons
   return Place(DescendToClosest(View(), FaceOf(start), target));
 }
 
+SourcePoint MeshSurface::Foot(const SourcePoint& start, const Vec3& target) const {
+  const FaceHit hit = DescendToClosest(View(), FaceOf(start), target);
+  return {hit.position, {}, hit.face, hit.u, hit.v};
+}
+
+bool MeshSurface::Reaches(const SourcePoint& start, const SourcePoint& place, double tolerance) const {
+  if (start.patch == place.patch) return true;  // a descent never gets farther than where it starts
+  return Surface::Reaches(start, place, tolerance);
+}
+
 double MeshSurface::MaxCurvatureAt(const SourcePoint& p) const {
   const Triangle& t = mesh_.triangles[FaceOf(p)];
   return (1 - p.u - p.v) * curvatures_[t[0].index()] + p.u * curvatures_[t[1].index()] +

@@ -108,6 +108,8 @@ class MeshSurface final : public Surface {
   std::optional<SourcePoint> FindApex(const SourcePoint& a, const SourcePoint& b, double radius_a,
                                       double radius_b) const override;
   SourcePoint Snap(const SourcePoint& start, const Vec3& target) const override;
+  SourcePoint Foot(const SourcePoint& start, const Vec3& target) const override;
+  bool Reaches(const SourcePoint& start, const SourcePoint& place, double tolerance) const override;
   // Interpolated linearly between the face's corners; the field, not this, is what keeps edges short at peaks.
   double MaxCurvatureAt(const SourcePoint& p) const override;
   bool IsOnBoundary(const SourcePoint& p) const override;

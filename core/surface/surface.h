@@ -56,6 +56,12 @@ class Surface {
   // The locally closest point of the surface to `target`, reached from `start` by descending the distance along the connected
   // sheet. Always succeeds; the result may be far from `target` when the sheet does not come near it.
   virtual SourcePoint Snap(const SourcePoint& start, const Vec3& target) const = 0;
+  // The same place without its normal, which is left zero where that saves time.
+  virtual SourcePoint Foot(const SourcePoint& start, const Vec3& target) const { return Snap(start, target); }
+  // Whether Snap from `start` comes within `tolerance` of a place of the surface. `tolerance`: more than rounding.
+  virtual bool Reaches(const SourcePoint& start, const SourcePoint& place, double tolerance) const {
+    return Distance(Foot(start, place.position).position, place.position) <= tolerance;
+  }
 
   // Maximum absolute principal curvature at p, 1/length, ≥ 0.
   virtual double MaxCurvatureAt(const SourcePoint& p) const = 0;
