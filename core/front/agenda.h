@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
-#include <queue>
 #include <vector>
 
 #include "core/front/front_set.h"
@@ -31,7 +30,8 @@ class Agenda {
 
   // `ratio` in [0, 2): greater is better.
   void Push(AgendaStage stage, double ratio, uint32_t birth, FrontEdgeId edge) {
-    heap_.push({RankOf(stage, static_cast<float>(ratio), birth), edge, ++TicketOf(edge)});
+    heap_.push_back({RankOf(stage, static_cast<float>(ratio), birth), edge, ++TicketOf(edge)});
+    RiseFrom(heap_.size() - 1, heap_.back());
   }
   // Forgets what is on the agenda for the edge: it is gone, or left the working area.
   void Cancel(FrontEdgeId edge) { ++TicketOf(edge); }
@@ -40,17 +40,34 @@ class Agenda {
   // The next entry that still counts; false when there is none.
   bool Pop(Entry& entry) {
     while (!heap_.empty()) {
-      entry = heap_.top();
-      heap_.pop();
+      entry = heap_.front();
+      DropFirst();
       if (entry.ticket == TicketOf(entry.edge)) return true;
     }
     return false;
   }
 
  private:
-  struct Later {
-    bool operator()(const Entry& a, const Entry& b) const { return a.rank < b.rank; }
-  };
+  // Puts an entry where it belongs between a hole at `at` and the top.
+  void RiseFrom(size_t at, const Entry entry) {
+    for (; at > 0 && heap_[(at - 1) / 2].rank < entry.rank; at = (at - 1) / 2) heap_[at] = heap_[(at - 1) / 2];
+    heap_[at] = entry;
+  }
+  // The hole sinks to the bottom, always to the greater child and without branches; from there the last entry rises.
+  void DropFirst() {
+    const Entry last = heap_.back();
+    heap_.pop_back();
+    const size_t size = heap_.size();
+    if (size == 0) return;
+    size_t hole = 0, child = 1;
+    for (; child + 1 < size; child = 2 * hole + 1) {
+      child += heap_[child + 1].rank > heap_[child].rank;
+      heap_[hole] = heap_[child];
+      hole = child;
+    }
+    if (child < size) heap_[hole] = heap_[child], hole = child;
+    RiseFrom(hole, last);
+  }
   // Floats that are not negative are ordered as their bits are; below 2 they need 30 of them.
   static uint64_t RankOf(AgendaStage stage, float ratio, uint32_t birth) {
     const uint64_t ratio_bits = ratio > 0 ? std::min(std::bit_cast<uint32_t>(ratio), 0x3fffffffu) : 0;
@@ -61,7 +78,7 @@ class Agenda {
     return tickets_[edge.index()];
   }
 
-  std::priority_queue<Entry, std::vector<Entry>, Later> heap_;
+  std::vector<Entry> heap_;  // no entry ranks above the one at half its place
   std::vector<uint32_t> tickets_;
 };
 
