@@ -1,6 +1,7 @@
 #include "core/front/fence_index.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -221,7 +222,9 @@ void FenceIndex::QueryFocus(const Vec3& center, double radius, std::vector<Front
       const Floats dx = FloatsAt(block.x) - x, dy = FloatsAt(block.y) - y, dz = FloatsAt(block.z) - z;
       const Floats apart = FloatsAt(block.radius) + r;
       const auto meets = dx * dx + dy * dy + dz * dz <= apart * apart;
-      for (uint32_t lane = 0; lane < kLanes; ++lane) {  // no branches: most are neither far nor near
+      const auto halves = std::bit_cast<std::array<uint64_t, 2>>(meets);
+      if ((halves[0] | halves[1]) == 0) continue;
+      for (uint32_t lane = 0; lane < kLanes; ++lane) {  // without branches
         found[count] = FrontEdgeId(block.slot[lane]);
         count -= meets[lane];
       }
