@@ -14,7 +14,6 @@
 namespace meshfront {
 namespace {
 
-constexpr uint32_t kLeafSize = 4;
 constexpr int kBitsPerAxis = 16;
 constexpr int kDigitBits = 12;
 

@@ -80,7 +80,8 @@ class TriangleBvh {
     uint32_t count;  // triangles of a leaf; 0 for an inner node
   };
   static_assert(sizeof(Node) == 32);
-  static constexpr int kStack = 192;  // deeper than any tree: 48 bits of code, then halving, one entry a level
+  static constexpr uint32_t kLeafSize = 4;  // triangles at most
+  static constexpr int kStack = 192;        // deeper than any tree: 48 bits of code, then halving, one entry a level
   struct Ray {
     Vec3 origin, inverse;  // in the frame of the boxes
     double t0, t1;
@@ -236,11 +237,15 @@ void TriangleBvh::VisitOverlappingPairs(Visit&& visit) const {
            (a.min.z <= b.max.z) & (b.min.z <= a.max.z);
   };
   const auto visit_leaves = [&](const Node& a, const Node& b) {
+    std::pair<uint32_t, uint32_t> meeting[kLeafSize * kLeafSize];
+    int count = 0;
     for (uint32_t i = a.first; i < a.first + a.count; ++i) {
       for (uint32_t j = &a == &b ? i + 1 : b.first; j < b.first + b.count; ++j) {
-        if (meet(boxes[i], boxes[j])) visit(FaceId(order_[i]), FaceId(order_[j]));
+        meeting[count] = {i, j};
+        count += meet(boxes[i], boxes[j]);
       }
     }
+    for (int k = 0; k < count; ++k) visit(FaceId(order_[meeting[k].first]), FaceId(order_[meeting[k].second]));
   };
   std::vector<std::pair<uint32_t, uint32_t>> stack = {{0, 0}};
   const auto push = [&](uint32_t a, uint32_t b) {
