@@ -24,7 +24,7 @@ namespace {
 
 constexpr uint32_t kFar = 0xffffu;
 constexpr double kMinFlipNormalCosine = 0.5;  // new triangles against the surface normals at their corners
-constexpr double kMinFlipGain = 1.02;         // the smaller sine must grow by this factor: no ping-pong
+constexpr double kMinFlipGain = 1.02 * 1.02;  // the smaller sine's square must grow by this factor: no ping-pong
 constexpr double kNeedleSineSquared = 1e-5;   // below it a ratio is left to RadiusRatio, which knows needles
 constexpr double kNoFloor = -std::numeric_limits<double>::infinity();
 constexpr double kMinMoveNormalCosine = 0.3;
@@ -39,15 +39,15 @@ constexpr int kRefinementRings = 2;                // around new vertices, that 
 constexpr size_t kMaxRing = 24;                    // vertices around one that is removed
 constexpr double kSliver = 0.25;  // radius ratio below which a triangle is worth another try of the front
 
-// Sine of the smallest angle: twice the area over the product of the two longest sides. From the squares of the sides and
-// of twice the area.
-inline double SineOfSquares(double ab, double bc, double ca, double area) {
-  const double product = ab * bc * ca / std::min({ab, bc, ca});
-  return product > 0 ? std::sqrt(area) / std::sqrt(product) : 0;
+// Squared sine of the smallest angle: twice the area over the product of the two longest sides, squared. From the squares of
+// the sides and of twice the area.
+inline double SquaredSineOfSquares(double ab, double bc, double ca, double area) {
+  const double product = std::max(ab, bc) * std::max(std::min(ab, bc), ca);
+  return product > 0 ? area / product : 0;
 }
-double MinSine(const Vec3& a, const Vec3& b, const Vec3& c) {
-  return SineOfSquares(SquaredDistance(a, b), SquaredDistance(b, c), SquaredDistance(c, a),
-                       SquaredNorm(AreaVector(a, b, c)));
+inline double MinSquaredSine(const Vec3& a, const Vec3& b, const Vec3& c) {
+  return SquaredSineOfSquares(SquaredDistance(a, b), SquaredDistance(b, c), SquaredDistance(c, a),
+                              SquaredNorm(AreaVector(a, b, c)));
 }
 
 double NormalAgreement(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& na, const Vec3& nb, const Vec3& nc) {
@@ -55,14 +55,20 @@ double NormalAgreement(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& 
   return std::min({Dot(n, na), Dot(n, nb), Dot(n, nc)});
 }
 
-// What WorstAround takes the least of. `from2`, `to2`, `area2`: the squares of the spoke's two sides at `place`, and of
-// twice the area.
-constexpr auto kMinSine = [](const Vec3&, const auto& spoke, double from2, double to2, double area2) {
-  return SineOfSquares(from2, spoke.opposite2, to2, area2);
+// A side of a triangle, from the place that WorstAround is asked for.
+struct Side {
+  explicit Side(const Vec3& along) : vector(along), squared(SquaredNorm(along)), length(std::sqrt(squared)) {}
+  Vec3 vector;
+  double squared, length;
 };
-constexpr auto kRadiusRatio = [](const Vec3& place, const auto& spoke, double from2, double to2, double area2) {
-  if (area2 < kNeedleSineSquared * from2 * to2) return RadiusRatio(place, spoke.from, spoke.to);
-  return RadiusRatioOfSquares(from2, spoke.opposite2, to2, area2);
+
+// What WorstAround takes the least of. `area2`: the square of twice the area.
+constexpr auto kMinSine = [](const Vec3&, const auto& spoke, const Side& from, const Side& to, double area2) {
+  return SquaredSineOfSquares(from.squared, spoke.opposite2, to.squared, area2);
+};
+constexpr auto kRadiusRatio = [](const Vec3& place, const auto& spoke, const Side& from, const Side& to, double area2) {
+  if (area2 < kNeedleSineSquared * from.squared * to.squared) return RadiusRatio(place, spoke.from, spoke.to);
+  return RadiusRatioOfLengths(from.length, spoke.opposite, to.length, area2);
 };
 
 }  // namespace
@@ -128,11 +134,11 @@ bool SettlingWindow::TryFlip(Link h) {
   const WindowVertexId ic = s.corners[(h.side() + 2) % 3], id = t.corners[(g.side() + 2) % 3];
   const WindowVertex &a = fronts_.at(ia), &b = fronts_.at(ib), &c = fronts_.at(ic), &d = fronts_.at(id);
   if (std::min({a.depth, b.depth, c.depth, d.depth}) + 1 < kMoveDepth) return false;
-  const double one_after = MinSine(c.position, d.position, b.position);
+  const double one_after = MinSquaredSine(c.position, d.position, b.position);
   if (one_after < std::min(sines_[h.triangle().index()], sines_[g.triangle().index()])) return false;
   const double before =
-      std::min(MinSine(a.position, b.position, c.position), MinSine(b.position, a.position, d.position));
-  const double after = std::min(one_after, MinSine(d.position, c.position, a.position));
+      std::min(MinSquaredSine(a.position, b.position, c.position), MinSquaredSine(b.position, a.position, d.position));
+  const double after = std::min(one_after, MinSquaredSine(d.position, c.position, a.position));
   if (after <= kMinFlipGain * before) return false;
   const auto agreement = [](const WindowVertex& p, const WindowVertex& q, const WindowVertex& r) {
     return NormalAgreement(p.position, q.position, r.position, p.source.normal, q.source.normal, r.source.normal);
@@ -144,15 +150,15 @@ bool SettlingWindow::TryFlip(Link h) {
   NoteChange(g.triangle());
   if (fronts_.EdgeExists(ic, id)) return false;  // perhaps not for long: the note has it looked at again
   fronts_.Flip(h);
-  sines_[h.triangle().index()] = SineOf(h.triangle());
-  sines_[g.triangle().index()] = SineOf(g.triangle());
+  sines_[h.triangle().index()] = SquaredSineOf(h.triangle());
+  sines_[g.triangle().index()] = SquaredSineOf(g.triangle());
   return true;
 }
 
-double SettlingWindow::SineOf(WindowTriangleId id) const {
+double SettlingWindow::SquaredSineOf(WindowTriangleId id) const {
   const WindowTriangle& t = fronts_.at(id);
-  return MinSine(fronts_.at(t.corners[0]).position, fronts_.at(t.corners[1]).position,
-                 fronts_.at(t.corners[2]).position);
+  return MinSquaredSine(fronts_.at(t.corners[0]).position, fronts_.at(t.corners[1]).position,
+                        fronts_.at(t.corners[2]).position);
 }
 
 // The triangle changed, and with it what can be had from its sides and corners: the next sweeps look at them again.
@@ -166,7 +172,7 @@ void SettlingWindow::FlipSweep() {
   const uint32_t since = last_flips_;
   last_flips_ = ++clock_;
   for (const WindowTriangleId t : around_) {
-    if (fronts_.at(t).alive && changed_[t.index()] >= since) sines_[t.index()] = SineOf(t);
+    if (fronts_.at(t).alive && changed_[t.index()] >= since) sines_[t.index()] = SquaredSineOf(t);
   }
   for (const WindowTriangleId t : around_) {
     for (int side = 0; side < 3 && fronts_.at(t).alive; ++side) {
@@ -185,7 +191,8 @@ bool SettlingWindow::GatherRing(WindowVertexId v) {
     const Vec3& from =
         ring_.empty() ? fronts_.at(triangle.corners[corner == 2 ? 0 : corner + 1]).position : ring_.back().to;
     const Vec3& to = fronts_.at(triangle.corners[corner == 0 ? 2 : corner - 1]).position;
-    ring_.push_back({from, to, SquaredDistance(from, to), t, corner});
+    const double opposite2 = SquaredDistance(from, to);
+    ring_.push_back({from, to, opposite2, std::sqrt(opposite2), t, corner});
   });
 }
 
@@ -194,12 +201,15 @@ bool SettlingWindow::GatherRing(WindowVertexId v) {
 template <class Measure>
 double SettlingWindow::WorstAround(const Vec3& place, const Vec3& normal, Measure measure, double floor) const {
   double worst = std::numeric_limits<double>::infinity();
+  Side from(ring_.front().from - place);  // each spoke begins where the last one ended
   for (const Spoke& s : ring_) {
-    const Vec3 from = s.from - place, to = s.to - place, area = Cross(from, to);
-    const double squared_area = SquaredNorm(area);
-    if (Dot(area, normal) < kMinMoveNormalCosine * std::sqrt(squared_area)) return -1;
-    worst = std::min(worst, measure(place, s, SquaredNorm(from), SquaredNorm(to), squared_area));
+    const Side to(s.to - place);
+    const Vec3 area = Cross(from.vector, to.vector);
+    const double area2 = SquaredNorm(area), facing = Dot(area, normal);
+    if (facing < 0 || facing * facing < kMinMoveNormalCosine * kMinMoveNormalCosine * area2) return -1;
+    worst = std::min(worst, measure(place, s, from, to, area2));
     if (worst < floor) break;
+    from = to;
   }
   return worst;
 }
@@ -376,15 +386,17 @@ void SettlingWindow::FitVertex(WindowVertexId id) {
     numerator += weight * share * Dot(foot - place, n);
     denominator += weight * share * share;
   };
+  Side from(ring_.front().from - v.position);
   for (const Spoke& s : ring_) {
-    const double area = 0.5 * Norm(AreaVector(v.position, s.from, s.to));
+    const Side to(s.to - v.position);
+    const double area = 0.5 * Norm(Cross(from.vector, to.vector));
     total_area += area;
-    least_edge2 = std::min(
-        least_edge2, std::max({s.opposite2, SquaredDistance(v.position, s.from), SquaredDistance(v.position, s.to)}));
-    spoke += Distance(v.position, s.from) / static_cast<double>(ring_.size());
+    least_edge2 = std::min(least_edge2, std::max({s.opposite2, from.squared, to.squared}));
+    spoke += from.length / static_cast<double>(ring_.size());
     const Feet& feet = feet_[place_in_around_[s.triangle.index()]];
     sample((v.position + s.from + s.to) / 3.0, feet.centroid, 0.45 * area, 1.0 / 3);
     sample(0.5 * (v.position + s.from), feet.middle[s.corner], 2 * area * (2.0 / 15), 0.5);
+    from = to;
   }
   numerator += 0.05 * total_area * Dot(v.source.position - v.position, n);
   denominator += 0.05 * total_area;

@@ -99,7 +99,7 @@ class SettlingWindow {
   double WorstAround(const Vec3& place, const Vec3& normal, Measure measure, double floor) const;
   template <class Measure>
   bool TryMove(WindowVertexId v, const Vec3& target, Measure measure, double& worst);
-  double SineOf(WindowTriangleId t) const;
+  double SquaredSineOf(WindowTriangleId t) const;
   void NoteChange(WindowTriangleId t);
   std::vector<Fault> Audit();
   Vec3 WhereTheyMeet(WindowTriangleId s, WindowTriangleId t) const;
@@ -114,8 +114,8 @@ class SettlingWindow {
 
   // The ring around a vertex: the corners opposite in each triangle, in order around it.
   struct Spoke {
-    Vec3 from, to;     // the triangle is (vertex, from, to)
-    double opposite2;  // squared distance between the two
+    Vec3 from, to;               // the triangle is (vertex, from, to)
+    double opposite2, opposite;  // squared distance between the two, and distance
     WindowTriangleId triangle;
     int corner;  // the vertex's in it
   };
@@ -137,8 +137,8 @@ class SettlingWindow {
   std::vector<uint32_t> place_in_around_;  // of every triangle slot
   // What the sweeps of one Improve need not look at again. The clock counts sweeps of flips and removals.
   uint32_t clock_ = 0, last_flips_ = 0, last_removals_ = 0;
-  std::vector<uint32_t> changed_;       // of every triangle slot: when a corner moved, or it was made
-  std::vector<double> sines_;           // of every triangle slot: of its smallest angle, as of the last sweep of flips
+  std::vector<uint32_t> changed_;  // of every triangle slot: when a corner moved, or it was made
+  std::vector<double> sines_;  // of every triangle slot: of its smallest angle, squared, as of the last sweep of flips
   std::vector<uint8_t> is_search_due_;  // of every vertex slot: something around it changed
   std::vector<WindowTriangleId> slivers_;
   std::vector<Vec3> faults_;

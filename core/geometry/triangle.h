@@ -15,11 +15,14 @@ constexpr double SquaredLongestSide(const Vec3& a, const Vec3& b, const Vec3& c)
 }
 // Radius ratio q = 2r/R = 16 A² / (abc (a + b + c)): 1 equilateral, 0 degenerate.
 double RadiusRatio(const Vec3& a, const Vec3& b, const Vec3& c);
-// The same from the squares of the sides and of twice the area.
-inline double RadiusRatioOfSquares(double ab2, double bc2, double ca2, double double_area2) {
-  const double x = std::sqrt(ab2), y = std::sqrt(bc2), z = std::sqrt(ca2);
-  const double denominator = x * y * z * (x + y + z);
+// The same from the sides and the square of twice the area.
+inline double RadiusRatioOfLengths(double ab, double bc, double ca, double double_area2) {
+  const double denominator = ab * bc * ca * (ab + bc + ca);
   return denominator > 0 ? std::min(1.0, 4 * double_area2 / denominator) : 0;
+}
+// … and from their squares.
+inline double RadiusRatioOfSquares(double ab2, double bc2, double ca2, double double_area2) {
+  return RadiusRatioOfLengths(std::sqrt(ab2), std::sqrt(bc2), std::sqrt(ca2), double_area2);
 }
 // The same from the three side lengths; 0 when they violate the triangle inequality.
 double RadiusRatioOfSides(double a, double b, double c);
