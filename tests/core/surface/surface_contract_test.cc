@@ -134,6 +134,32 @@ TEST_P(SurfaceContract, SnapsAPointOfTheSurfaceToItself) {
   }
 }
 
+TEST_P(SurfaceContract, FindsFeetWhereItSnapsTo) {
+  for (int i = 0; i < 60; ++i) {
+    const SourcePoint p = RandomPoint(), start = EndOfEdge(p);
+    const Vec3 target = p.position + 0.1 * GetParam().edge * p.normal;
+    const SourcePoint foot = surface_->Foot(start, target), snapped = surface_->Snap(start, target);
+    EXPECT_EQ(foot.position, snapped.position);
+    EXPECT_EQ(foot.patch, snapped.patch);
+  }
+}
+
+// From on its own face and from elsewhere.
+TEST_P(SurfaceContract, ReachesWhatItSnapsTo) {
+  const double tolerance = 1e-3 * GetParam().edge;
+  int reached = 0;
+  for (int i = 0; i < 60; ++i) {
+    const SourcePoint p = RandomPoint(), start = EndOfEdge(p);
+    const SourcePoint beside = surface_->AtFace(FaceId(p.patch), 0.2, 0.7);
+    for (const SourcePoint& from : {start, beside}) {
+      const bool arrives = Distance(surface_->Snap(from, p.position).position, p.position) <= tolerance;
+      EXPECT_EQ(surface_->Reaches(from, p, tolerance), arrives);
+      reached += arrives;
+    }
+  }
+  EXPECT_GE(reached, 60);
+}
+
 TEST_P(SurfaceContract, FindsNoApexWhereTheSpheresDoNotMeet) {
   const SourcePoint a = RandomPoint(), b = EndOfEdge(a);
   const double length = Distance(a.position, b.position);
