@@ -195,10 +195,11 @@ class AdvancingFront {
 };
 
 WindowVertexId AdvancingFront::NewVertex(const SourcePoint& source, uint32_t origin) {
-  const WindowVertexId v = fronts_.AddVertex(source, field_.At(source.position), surface_.MaxCurvatureAt(source));
+  const LocalField::Value g = field_.ValueAt(source.position);
+  const WindowVertexId v = fronts_.AddVertex(source, g.length, surface_.MaxCurvatureAt(source));
   fronts_.at(v).origin = origin;
   fronts_.at(v).sheet = surface_.SheetOf(source);
-  fronts_.at(v).refined = field_.IsRefinedAt(source.position);
+  fronts_.at(v).refined = g.is_refined;
   return v;
 }
 
@@ -604,8 +605,9 @@ bool AdvancingFront::RollBack(std::vector<WindowVertexId> around, int rings) {
     WindowVertex& from = fronts_.at(fronts_.From(e));
     from.position = from.source.position;  // fronts stand on the surface
     from.improved = false;
-    from.length = field_.At(from.position);
-    from.refined = field_.IsRefinedAt(from.position);
+    const LocalField::Value g = field_.ValueAt(from.position);
+    from.length = g.length;
+    from.refined = g.is_refined;
   }
   for (const FrontEdgeId e : made) {
     StateOf(e) = {};

@@ -13,19 +13,25 @@ class LocalField {
  public:
   explicit LocalField(const GuidanceField& field) : field_(&field) {}
 
-  double At(const Vec3& x) const {
-    double g = field_->At(x);
+  // g, and whether a refinement is what decides there.
+  struct Value {
+    double length;
+    bool is_refined;
+  };
+  Value ValueAt(const Vec3& x) const {
+    const double unrefined = field_->At(x);
+    double g = unrefined;
     for (const SizingSample& s : cones_)
       g = std::min(g, GradedLength(Distance(s.position, x), s.ideal_length, field_->eta()));
-    return std::max(g, field_->options().min_length);
+    g = std::max(g, field_->options().min_length);
+    return {g, g < unrefined};
   }
+  double At(const Vec3& x) const { return ValueAt(x).length; }
   // From now on g(place) ≤ length. The surroundings of the place are what lies within `reach`.
   void Refine(const Vec3& place, double length, double reach) {
     cones_.push_back({place, length * field_->eta()});
     reaches_.push_back(reach);
   }
-  // Whether a refinement is what decides at x.
-  bool IsRefinedAt(const Vec3& x) const { return !cones_.empty() && At(x) < field_->At(x); }
   // How many refinements have `place` in their surroundings.
   size_t RefinementsNear(const Vec3& place) const {
     size_t count = 0;
