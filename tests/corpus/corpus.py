@@ -182,9 +182,9 @@ class Models:
         return made
 
 
-def judged(judge, row, reference, work):
+def judged(judge, row, reference, work, *flags):
     """What the judge says of the result; None where it says nothing, which then is a problem of the row."""
-    code, said, _ = run([judge, "report", str(work / "out.ply"), "--ref", str(reference), "--json", str(work / "judged.json")],
+    code, said, _ = run([judge, "report", str(work / "out.ply"), "--ref", str(reference), "--json", str(work / "judged.json"), *flags],
                         row["judge_timeout"])
     if code:
         note_unjudged(row, "judge", code, said)
@@ -229,19 +229,27 @@ class Corpus:
         work.mkdir(parents=True)
         return row, work
 
-    def remesh(self, row, model, work, rho, *flags):
+    def remesh(self, row, model, work, *flags):
         """What it said."""
         files = ["--stats", str(work / "stats.json"), "--write-repaired", str(work / "repaired.ply")]
         row["exit"], said, row["cpu_seconds"] = run([self.options.meshfront, "remesh", str(model), str(work / "out.ply"), *files,
-                                                     "--rho", str(rho), "--quiet", *flags], self.options.timeout)
+                                                     "--quiet", *flags], self.options.timeout)
         row["late"] = "timeout" if row["exit"] == -1 else ""
         return said.replace(str(work / "out.ply"), "the result").replace(str(model), row["model"])
+
+    def sizing(self, rho):
+        """The flags that a run's second key is about."""
+        return ["--rho", str(rho), "--eta", str(self.options.eta)]
+
+    def judge_flags(self, row):
+        """What else the judge is to look at."""
+        return []
 
     def row(self, name, rho):
         """One model at one rho: remeshed and judged."""
         row, work = self.begun(name, rho)
         model = self.models.path(name)
-        said = self.remesh(row, model, work, rho, "--eta", str(self.options.eta), "--threads", "1", *self.options.flags.split())
+        said = self.remesh(row, model, work, *self.sizing(rho), "--threads", "1", *self.options.flags.split())
         if row["exit"] == 3 and name in REFUSED:
             row["refused"] = said
         elif row["exit"] != 0:
@@ -255,7 +263,7 @@ class Corpus:
     def judge_row(self, row, model, work):
         stats = json.loads((work / "stats.json").read_text())
         row["repairs"] = {repair["what"]: repair["count"] for repair in stats["input"]["repairs"]}
-        found = judged(self.judge, row, work / "repaired.ply" if row["repairs"] else model, work)
+        found = judged(self.judge, row, work / "repaired.ply" if row["repairs"] else model, work, *self.judge_flags(row))
         if found is None:
             return
         counts, before, ratio = found["counts"], found["reference_counts"], found["quality"]["radius_ratio"]
@@ -274,6 +282,10 @@ class Corpus:
             row["problems"] += new_meetings(row, work)
         elif row["self_intersections"]:
             row["problems"].append(f"{row['self_intersections']} self-intersections")
+        self.look_closer(row, found, stats)
+
+    def look_closer(self, row, found, stats):
+        """Of what was judged, what else there is to say."""
 
     def show(self, row):
         """Of every row, made now or known."""

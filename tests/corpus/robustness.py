@@ -174,7 +174,7 @@ class Robustness(corpus.Corpus):
         else:
             model = self.models.path(name)
         read = {"model": name}
-        said = self.remesh(read, model, folder, 2)
+        said = self.remesh(read, model, folder, "--rho", "2")
         if read["exit"] not in (0, 4):
             return {**read, "problems": [f"as it is: {corpus.failure(read, said)}"]}, None
         topology = json.loads((folder / "stats.json").read_text())["input"]
@@ -201,7 +201,7 @@ class Robustness(corpus.Corpus):
         row.update(rho=RHO, flags=" ".join(flags), scale=motion.scale, offset=motion.offset, format=suffix)
         model = work / f"in{suffix}"
         WRITERS[suffix](model, *reordered(chance, moved(points, motion), faces))
-        said = self.remesh(row, model, work, RHO, *flags)
+        said = self.remesh(row, model, work, "--rho", str(RHO), *flags)
         if row["exit"] != 0:
             row["problems"].append(corpus.failure(row, said))
         if (work / "out.ply").exists():
