@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -33,6 +34,10 @@ constexpr double kSliverReachPerDiagonal = 2e-4;
 constexpr double kSliverReachPerError = 0.25;
 // Outside this range of sizes the input is scaled by a power of two, which changes no significant bit.
 constexpr double kMinDiagonal = 1e-30, kMaxDiagonal = 1e30;
+
+// Edges of rims and creases lie within this part of the error bound of the curve: nothing moves or divides them later, and the triangles
+// beside them need some of it.
+constexpr double kSagittaPerMaxError = 0.9;
 
 // g where the mesh is made again, in parts of what it was.
 constexpr double kFinerPerGuidance = 0.5;
@@ -174,6 +179,11 @@ absl::Status MakeField(Preparation& p, const Context& context) {
   return SetField(count, p, context);
 }
 
+double MaxSagitta(const Preparation& p) {
+  const bool is_kept = p.parameters.options.sizing == Sizing::kError && p.parameters.target_triangles == 0;
+  return is_kept ? kSagittaPerMaxError * p.parameter : std::numeric_limits<double>::infinity();
+}
+
 }  // namespace
 
 double ErrorBoundInForce(const Preparation& p, double length, double max_curvature) {
@@ -238,7 +248,7 @@ absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {
   p.seconds.guidance = watch.Lap();
 
   context.Report({Stage::kFeatures});
-  MESHFRONT_ASSIGN_OR_RETURN(p.loops, BoundaryLoops(*p.surface, *p.field, context));
+  MESHFRONT_ASSIGN_OR_RETURN(p.loops, BoundaryLoops(*p.surface, *p.field, MaxSagitta(p), context));
   p.seeds = p.surface->Seeds();
   p.seconds.features = watch.Lap();
   return p;
@@ -249,7 +259,7 @@ absl::Status PrepareAgain(absl::Span<const Vec3> finer_at, std::optional<uint64_
   for (const Vec3& place : finer_at)
     p.builder->AddSample({place, kFinerPerGuidance * p.parameters.options.eta * p.field->At(place)});
   MESHFRONT_RETURN_IF_ERROR(SetField(count, p, context));
-  MESHFRONT_ASSIGN_OR_RETURN(p.loops, BoundaryLoops(*p.surface, *p.field, context));
+  MESHFRONT_ASSIGN_OR_RETURN(p.loops, BoundaryLoops(*p.surface, *p.field, MaxSagitta(p), context));
   return absl::OkStatus();
 }
 

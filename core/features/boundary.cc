@@ -43,8 +43,8 @@ SourcePoint PlaceOn(const MeshSurface& surface, uint32_t h, double t) {
 // Puts the rims' loops together from the curves of the feature graph.
 class LoopBuilder {
  public:
-  LoopBuilder(const MeshSurface& surface, std::vector<Rim> rims)
-      : surface_(surface), rims_(std::move(rims)), graph_(surface) {}
+  LoopBuilder(const MeshSurface& surface, std::vector<Rim> rims, double max_sagitta)
+      : surface_(surface), rims_(std::move(rims)), max_sagitta_(max_sagitta), graph_(surface) {}
 
   absl::StatusOr<std::vector<OrientedLoop>> Build(const GuidanceField& field, const Context& context) {
     for (const Rim& rim : rims_) runs_.push_back(RunsOf(rim));
@@ -85,6 +85,7 @@ class LoopBuilder {
 
   const MeshSurface& surface_;
   const std::vector<Rim> rims_;
+  const double max_sagitta_;
   const FeatureGraph graph_;
   std::vector<std::vector<Run>> runs_;           // of each rim
   std::vector<size_t> least_;                    // points of each curve
@@ -130,9 +131,10 @@ void LoopBuilder::FindLeastPoints() {
 
 absl::Status LoopBuilder::Divide(size_t curve, const GuidanceField& field, const Context& context) {
   const Curve polyline = graph_.CurveOf(graph_.curves()[curve]);
+  const CurveLimits limits{least_[curve], max_sagitta_, field.options().min_length};
   MESHFRONT_ASSIGN_OR_RETURN(points_[curve],
                              ResampleCurve(
-                                 polyline, [&](const Vec3& x) { return field.At(x); }, context, least_[curve]));
+                                 polyline, [&](const Vec3& x) { return field.At(x); }, context, limits));
   places_[curve].clear();
   for (const CurvePoint& p : points_[curve]) places_[curve].push_back(polyline.At(p));
   return absl::OkStatus();
@@ -242,8 +244,8 @@ absl::StatusOr<std::vector<SizingSample>> BoundarySizingSamples(
 }
 
 absl::StatusOr<std::vector<OrientedLoop>> BoundaryLoops(const MeshSurface& surface, const GuidanceField& field,
-                                                        const Context& context) {
-  LoopBuilder builder(surface, RimsOf(surface));
+                                                        double max_sagitta, const Context& context) {
+  LoopBuilder builder(surface, RimsOf(surface), max_sagitta);
   return builder.Build(field, context);
 }
 

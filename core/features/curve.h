@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "absl/functional/function_ref.h"
@@ -54,14 +55,20 @@ class Curve {
 // no sharper one within 0.6 edge lengths. In increasing order. Stops with the context.
 absl::StatusOr<std::vector<uint32_t>> FindCorners(const Curve& curve, LengthField field, const Context& context);
 
+struct CurveLimits {
+  size_t least = 1;  // points
+  // Chords that leave a skipped vertex farther aside are divided there, as long as that makes none shorter than `shortest`.
+  double max_sagitta = std::numeric_limits<double>::infinity();
+  double shortest = 0;
+};
+
 // Points along the curve such that the chord from each to the next is about the field's length at the first, the corners
 // exactly, and pieces between corners divided evenly. At least three points, distinct and in the order of the curve, in which
 // the first may be any vertex; skipped vertices lie within about a fifth of g from their chord, unless that took points closer
 // than 0.6 g to each other. A curve too small for its field gives the three vertices that span it. Of an open curve the first end
-// is the first point, the last end is none. At least `least` points. ResourceExhausted beyond 2^22 points; stops with
-// the context. O(vertices + points).
+// is the first point, the last end is none. ResourceExhausted beyond 2^22 points; stops with the context. O(vertices + points).
 absl::StatusOr<std::vector<CurvePoint>> ResampleCurve(const Curve& curve, LengthField field, const Context& context,
-                                                      size_t least = 1);
+                                                      const CurveLimits& limits = {});
 
 // Curvature at each vertex (1/length), of the circle fitted to the vertices around; not across corners, where it
 // is 0. At most 2 / mean edge around.

@@ -39,15 +39,16 @@ double CrossingOf(const Vec3& inside, const Vec3& outside, const Vec3& center, d
 
 class Resampler {
  public:
-  Resampler(const Curve& curve, LengthField field, const Context& context, size_t least)
-      : curve_(curve), field_(field), context_(context), least_(least) {}
+  Resampler(const Curve& curve, LengthField field, const Context& context, const CurveLimits& limits)
+      : curve_(curve), field_(field), context_(context), limits_(limits) {}
 
   absl::StatusOr<std::vector<CurvePoint>> Run() {
     MESHFRONT_ASSIGN_OR_RETURN(std::vector<uint32_t> anchors, FindCorners(curve_, field_, context_));
     if (!curve_.closed()) anchors.insert(anchors.begin(), 0);
     if (anchors.empty()) anchors = {VertexOfSmallestLength()};
     MESHFRONT_RETURN_IF_ERROR(DivideBetween(anchors));
-    for (int round = 0; round < kMaxRefinements; ++round) {
+    const int rounds = std::isfinite(limits_.max_sagitta) ? kMaxRefinementsForSagitta : kMaxRefinements;
+    for (int round = 0; round < rounds; ++round) {
       const std::vector<uint32_t> far = FindFarVertices(anchors);
       if (far.empty()) break;
       anchors.insert(anchors.end(), far.begin(), far.end());
@@ -55,7 +56,7 @@ class Resampler {
       MESHFRONT_RETURN_IF_ERROR(DivideBetween(anchors));
     }
     if (curve_.closed() && points_.size() < 3) MESHFRONT_RETURN_IF_ERROR(DivideBetween(SpanningVertices()));
-    if (points_.size() < least_) DivideEvenly();
+    if (points_.size() < limits_.least) DivideEvenly();
     for (CurvePoint& p : points_) p.segment %= curve_.size();
     return std::move(points_);
   }
@@ -104,8 +105,9 @@ class Resampler {
 
   void DivideEvenly() {
     points_.clear();
-    for (size_t i = 0; i < least_; ++i)
-      points_.push_back(curve_.PointAtArc(curve_.length() * static_cast<double>(i) / static_cast<double>(least_)));
+    for (size_t i = 0; i < limits_.least; ++i)
+      points_.push_back(
+          curve_.PointAtArc(curve_.length() * static_cast<double>(i) / static_cast<double>(limits_.least)));
   }
 
   absl::Status DivideBetween(const std::vector<uint32_t>& anchors) {
@@ -197,11 +199,16 @@ class Resampler {
   }
 
   // How far from others a vertex under the chord from point i must lie to become an anchor. Between two nodes the curve is followed
-  // however coarse the field is: a crease of a few edges is seen as much as a long one.
+  // however coarse the field is: a crease of a few edges is seen as much as a long one. So is any where a sagitta is asked for.
   double RoomAt(uint32_t vertex, size_t i) const {
-    if (curve_.closed()) return kMinAnchorDistance * field_(curve_[vertex]);
-    const Vec3 end = i + 1 < points_.size() ? curve_.At(points_[i + 1]) : curve_[curve_.size() - 1];
-    return kMinCreaseAnchorDistance * Distance(curve_.At(points_[i]), end);
+    const Vec3 from = curve_.At(points_[i]), to = EndOfChord(i);
+    const bool is_far = DistanceToSegment(curve_[vertex], from, to) > limits_.max_sagitta;
+    if (curve_.closed() && !is_far) return kMinAnchorDistance * field_(curve_[vertex]);
+    return std::max(is_far ? limits_.shortest : 0, kMinCreaseAnchorDistance * Distance(from, to));
+  }
+  Vec3 EndOfChord(size_t i) const {
+    if (i + 1 < points_.size()) return curve_.At(points_[i + 1]);
+    return curve_.closed() ? curve_.At(points_[0]) : curve_[curve_.size() - 1];
   }
 
   // Of the vertices that the chord from point i to the next skips, the one farthest from it, if that is too far.
@@ -215,6 +222,7 @@ class Resampler {
     const Vec3 from = curve_.At(a), to = curve_.At(b);
     double farthest = curve_.closed() ? kMaxSagittaShare * std::max(Distance(from, to), field_(from))
                                       : kMaxCreaseSagittaShare * Distance(from, to);
+    farthest = std::min(farthest, limits_.max_sagitta);
     std::optional<uint32_t> vertex;
     const uint32_t end = b.t > 0 ? b.segment + 1 : b.segment;
     for (uint32_t k = a.segment + 1; k < end; ++k) {
@@ -227,7 +235,7 @@ class Resampler {
   const Curve& curve_;
   LengthField field_;
   const Context& context_;
-  const size_t least_;
+  const CurveLimits limits_;
   std::vector<CurvePoint> points_;  // segments run on past the size until the end
   std::vector<double> marks_;
 };
@@ -235,8 +243,8 @@ class Resampler {
 }  // namespace
 
 absl::StatusOr<std::vector<CurvePoint>> ResampleCurve(const Curve& curve, LengthField field, const Context& context,
-                                                      size_t least) {
-  return Resampler(curve, field, context, least).Run();
+                                                      const CurveLimits& limits) {
+  return Resampler(curve, field, context, limits).Run();
 }
 
 }  // namespace meshfront

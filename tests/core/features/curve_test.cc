@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include "core/geometry/segment.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
@@ -196,8 +197,7 @@ Curve Cup(int n) {
 }
 
 std::vector<CurvePoint> ResampleWith(const Curve& curve, double g, size_t least = 1) {
-  auto points = ResampleCurve(
-      curve, [=](const Vec3&) { return g; }, {}, least);
+  auto points = ResampleCurve(curve, [=](const Vec3&) { return g; }, {}, {.least = least});
   EXPECT_TRUE(points.ok()) << points.status();
   return *std::move(points);
 }
@@ -273,6 +273,37 @@ TEST(OpenCurveResampling, FollowsABendThatTheFieldWouldStepAcross) {
   double highest = 0;
   for (const CurvePoint& p : coarse) highest = std::max(highest, arc.At(p).y);
   EXPECT_GT(highest, 0.7);
+}
+
+// Half a circle and a whole one, whose field would take chords with a sagitta of 0.2: no vertex lies farther from its chord than asked for.
+TEST(CurveResampling, KeepsTheSagittaThatIsAskedFor) {
+  std::vector<Vec3> points;
+  for (int i = 0; i < 180; ++i) {
+    const double angle = std::numbers::pi * i / 90;
+    points.push_back({std::cos(angle), std::sin(angle), 0});
+  }
+  const auto largest_sagitta = [](const Curve& curve, const CurveLimits& limits) {
+    const auto found = ResampleCurve(
+        curve, [](const Vec3&) { return 1.2; }, {}, limits);
+    double largest = 0;
+    for (size_t i = 0; found.ok() && i < found->size(); ++i) {
+      const bool last = i + 1 == found->size();
+      const Vec3 from = curve.At((*found)[i]),
+                 to = last ? curve[curve.closed() ? 0 : curve.size() - 1] : curve.At((*found)[i + 1]);
+      const size_t end = last ? curve.size() - 1 : (*found)[i + 1].segment;
+      for (size_t k = (*found)[i].segment + 1; k <= end; ++k)
+        largest = std::max(largest, DistanceToSegment(curve[k], from, to));
+    }
+    return found.ok() ? largest : 1;
+  };
+  for (const bool closed : {true, false}) {
+    const Curve curve(closed ? points : std::vector<Vec3>(points.begin(), points.begin() + 91), closed);
+    EXPECT_GT(largest_sagitta(curve, {}), 0.1);
+    for (const double sagitta : {0.05, 0.01, 0.002}) {
+      EXPECT_LE(largest_sagitta(curve, {.max_sagitta = sagitta}), sagitta);
+      EXPECT_GT(largest_sagitta(curve, {.max_sagitta = sagitta, .shortest = 0.5}), 0.02) << "as short as edges may be";
+    }
+  }
 }
 
 TEST(OpenCurveResampling, ReadsTheSameForwardsAndBackwardsWhereTheFieldIsEven) {
