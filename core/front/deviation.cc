@@ -1,4 +1,9 @@
-// Measure asks the surface for far places; where it does not know them all, by a recursion over parts of the triangle (Halve):
+// Measure asks the surface for far places. Where parts are doubtful, or the surface can't tell: SettleParts, if it has pieces. The distance
+// to a piece is convex, so that over a part it is largest at a corner: a part keeps the bound if its corners do with the piece next to
+// one of them, or if one has so much left that the way to the others can't use it up. Other parts are halved across their longest side,
+// in the order in which they came, up to kMaxParts; where anything is left then, the bound is not kept.
+//
+// Surfaces without pieces: by a recursion over parts of the triangle (Halve).
 //
 //        2            1. the feet of the middles 3, 4, 5: one walk each
 //       / \           2. bend: how far each foot is from the middle of the feet at the ends of its side
@@ -14,12 +19,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/geometry/triangle.h"
 
 namespace meshfront {
 namespace {
 
+constexpr size_t kMaxParts = 2000;
 constexpr int kMinHalvings = 3, kMaxHalvings = 7;
 // How much more than at its corners the distance may be inside a part, in bends over its parent's sides. A smooth surface bends over
 // half a side by a quarter of what it bends over the whole, a ridge by half at most.
@@ -59,15 +66,67 @@ Deviation DeviationMeter::Measure(const std::array<PlaceAndFoot, 3>& corners) {
   }
   const double beside = agreement < kSharpAgreement || on_rim > 1 ? kBesideSharp : kBesideSmooth;
   const bool all = surface_.FindFarPlaces(corners[0].foot, {corners[0].place, corners[1].place, corners[2].place},
-                                          bound_, beside, far_);
+                                          bound_, beside, far_, doubtful_);
   for (const PlaceAndFoot& c : corners) Note(c);
   for (const FarPlace& p : far_) {
     if (!p.is_beside) Note(Closest(p.above, p.below));
     if (p.is_detail) far_details_.push_back(p);
   }
-  const bool is_settled = all && std::all_of(far_.begin(), far_.end(), [](const FarPlace& p) { return p.is_beside; });
-  if (!is_settled && found_.is_kept) Halve(corners, 0);
+  if (found_.is_kept && !(all && doubtful_.empty())) Examine(all);
   return found_;
+}
+
+// Looks closer at what the surface could not tell of: the doubtful parts, or everything.
+void DeviationMeter::Examine(bool all) {
+  if (!std::isfinite(surface_.DistanceToPieceOf(corners_[0].foot, corners_[0].place))) return Halve(corners_, 0);
+  parts_.clear();
+  if (!all) parts_.push_back(corners_);
+  for (size_t i = 0; all && i < doubtful_.size(); ++i) {
+    const DoubtfulPart& part = doubtful_[i];
+    parts_.emplace_back();
+    for (int corner = 0; corner < 3; ++corner) {
+      parts_.back()[corner] = Closest(part.start, part.corners[corner]);
+      Note(parts_.back()[corner]);
+    }
+  }
+  SettleParts();
+}
+
+// No less than the distance anywhere in a part.
+double DeviationMeter::MostOver(const std::array<PlaceAndFoot, 3>& c) const {
+  double most = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 3; ++i) {
+    const PlaceAndFoot &a = c[i], &b = c[(i + 1) % 3], &d = c[(i + 2) % 3];
+    most = std::min(most, a.Gap() + std::max(Distance(a.place, b.place), Distance(a.place, d.place)));
+    if (most <= bound_) return most;
+    most = std::min(most, std::max({a.Gap(), surface_.DistanceToPieceOf(a.foot, b.place),
+                                    surface_.DistanceToPieceOf(a.foot, d.place)}));
+    if (most <= bound_) return most;
+  }
+  return most;
+}
+
+void DeviationMeter::SettleParts() {
+  for (size_t i = 0; i < parts_.size() && found_.is_kept; ++i) {
+    const std::array<PlaceAndFoot, 3> c = parts_[i];
+    const double most = MostOver(c);
+    if (most <= bound_) continue;
+    if (parts_.size() >= kMaxParts) {
+      found_.is_kept = false;
+      if (most > found_.largest) found_.largest = most;
+      return;
+    }
+    int longest = 0;
+    double length2[3];
+    for (int k = 0; k < 3; ++k) {
+      length2[k] = SquaredDistance(c[k].place, c[(k + 1) % 3].place);
+      if (length2[k] > length2[longest]) longest = k;
+    }
+    const PlaceAndFoot &a = c[longest], &b = c[(longest + 1) % 3], &d = c[(longest + 2) % 3];
+    const PlaceAndFoot middle = Middle(a, b);
+    parts_.push_back({a, middle, d});
+    parts_.push_back({middle, b, d});
+  }
 }
 
 // The surface's place next to a place. A walk may end in a hollow beside the closest place: what is beyond the bound is walked to

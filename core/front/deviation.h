@@ -31,9 +31,11 @@ class DeviationMeter {
   // next to the corners, and need not be closest.
   //
   // Where the surface can tell of all places that are far along the triangle's normal (Surface::FindFarPlaces), there are none in
-  // most triangles, and those are walked from else. Where it can't, the distance is measured at the middles of the sides, and so on
-  // in the four parts that they make, wherever the parts' corners and the surface's bend between them can't rule out more than the
-  // bound; so that between those places it may be more by what the distance grows over a 128th of a side.
+  // most triangles, and those are walked from else. What is doubtful then, or all of the triangle where it can't tell, is halved until
+  // each part is known to keep the bound (SettleParts). A surface of pieces: what is kept is kept everywhere, and where that can't be shown
+  // it is taken as exceeded. Other surfaces: the distance is measured at the middles of the sides, and so on in the four parts that they
+  // make, wherever the parts' corners and the surface's bend between them can't rule out more than the bound; so that between those places
+  // it may be more by what the distance grows over a 128th of a side.
   Deviation Measure(const std::array<PlaceAndFoot, 3>& corners);
   // The surface's corners that the last Measure found farther from the triangle, along its normal, than the bound: perhaps from other
   // triangles, too.
@@ -41,6 +43,9 @@ class DeviationMeter {
 
  private:
   void Note(const PlaceAndFoot& at);
+  void Examine(bool all);
+  void SettleParts();
+  double MostOver(const std::array<PlaceAndFoot, 3>& corners) const;
   void Halve(const std::array<PlaceAndFoot, 3>& corners, int halvings);
   double SlopeAt(const PlaceAndFoot& at) const;
   PlaceAndFoot Closest(const SourcePoint& start, const Vec3& place);
@@ -52,6 +57,8 @@ class DeviationMeter {
   Vec3 normal_;
   Deviation found_;
   std::vector<FarPlace> far_, far_details_;
+  std::vector<DoubtfulPart> doubtful_;
+  std::vector<std::array<PlaceAndFoot, 3>> parts_;
 };
 
 }  // namespace meshfront

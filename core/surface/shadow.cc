@@ -1,6 +1,10 @@
 // CastShadow: 1. weights in the triangle and heights over it of each face's corners; 2. the distance to a face, which is convex, is
-// largest at a corner of what it covers of the triangle: under its own corners, and where its edges pass over the triangle's sides;
-// 3. on to the faces across the edges that overlap the triangle.
+// largest at a corner of what it covers of the triangle: under its own corners, where its edges pass over the triangle's sides, and at
+// the triangle's corners; if that is beyond the bound, what it covers is doubtful; 3. on to the faces across the edges that overlap the
+// triangle; 4. where one is a rim, the strip along a side that holds all of it is doubtful.
+//
+// That the faces cover all of the rest is seen at one place: faces that face the triangle less those that turn away lie over every
+// place equally often, as no edge of what they make together passes over it.
 #include "core/surface/shadow.h"
 
 #include <algorithm>
@@ -24,7 +28,7 @@ struct Over {
 
 class ShadowFrame {
  public:
-  explicit ShadowFrame(const std::array<Vec3, 3>& t) : origin_(t[0]) {
+  explicit ShadowFrame(const std::array<Vec3, 3>& t) : corners_(t), origin_(t[0]) {
     const Vec3 e1 = t[1] - t[0], e2 = t[2] - t[0], n = Cross(e1, e2);
     const double n2 = SquaredNorm(n);
     is_flat_ = !(n2 > 0);
@@ -38,8 +42,12 @@ class ShadowFrame {
     return {{1 - v - w, v, w}, Dot(d, normal_)};
   }
   const Vec3& normal() const { return normal_; }
+  Vec3 PlaceOf(const double (&weight)[3]) const {
+    return weight[0] * corners_[0] + weight[1] * corners_[1] + weight[2] * corners_[2];
+  }
 
  private:
+  std::array<Vec3, 3> corners_;
   Vec3 origin_, to_second_, to_third_, normal_;
   bool is_flat_ = false;
 };
@@ -54,6 +62,47 @@ bool LieBeside(const Over& a, const Over& b, double margin) {
   return false;
 }
 
+// Where the cover of the triangle is looked at: its weights are those of no place that anything symmetric would have an edge over.
+constexpr double kProbe[3] = {0.3276041, 0.3391573, 0.3332386};
+// A rim that lies no farther inside a side than this weight cuts nothing off: creases are straight, and sides lie on them.
+constexpr double kOnRim = 1e-6;
+
+// Twice the signed area of (a, b, q), in weights.
+double TurnAround(const Over& a, const Over& b, const double (&q)[3]) {
+  return (b.weight[1] - a.weight[1]) * (q[2] - a.weight[2]) - (b.weight[2] - a.weight[2]) * (q[1] - a.weight[1]);
+}
+// 1 where the place lies under a face that faces the triangle, −1 where under one that turns away, else 0.
+int SideOver(const Over (&c)[3], const double (&q)[3]) {
+  const double s = TurnAround(c[0], c[1], q), t = TurnAround(c[1], c[2], q), u = TurnAround(c[2], c[0], q);
+  return s >= 0 && t >= 0 && u >= 0 ? 1 : s <= 0 && t <= 0 && u <= 0 ? -1 : 0;
+}
+
+Over Between(const Over& a, const Over& b, double t) {
+  Over at;
+  for (int i = 0; i < 3; ++i) at.weight[i] = a.weight[i] + t * (b.weight[i] - a.weight[i]);
+  at.height = a.height + t * (b.height - a.height);
+  return at;
+}
+
+// A face cut off along sides of the triangle: each takes a corner away and adds two at most.
+struct Polygon {
+  Over corner[6];
+  int size = 0;
+  void Add(const Over& c) { corner[size++] = c; }
+};
+
+// What a polygon has on the inner side of a side of the triangle (Sutherland–Hodgman).
+Polygon ClippedAgainst(int side, const Polygon& polygon) {
+  Polygon clipped;
+  for (int i = 0; i < polygon.size; ++i) {
+    const Over &a = polygon.corner[i], &b = polygon.corner[i + 1 < polygon.size ? i + 1 : 0];
+    const double from = a.weight[side], to = b.weight[side];
+    if (from >= 0) clipped.Add(a);
+    if ((from >= 0) != (to >= 0)) clipped.Add(Between(a, b, from / (from - to)));
+  }
+  return clipped;
+}
+
 class ShadowCaster {
  public:
   ShadowCaster(const FaceView& mesh, const ShadowFrame& frame, const ShadowBounds& bounds, Shadow& shadow)
@@ -65,17 +114,62 @@ class ShadowCaster {
     const bool is_far =
         std::max({std::abs(corners[0].height), std::abs(corners[1].height), std::abs(corners[2].height)}) > bound_;
     if (is_far && FacesTriangle(face)) Collect(face, corners);
+    cover_ += SideOver(corners, kProbe);
     for (int i = 0; i < 3; ++i) {
       if (LieBeside(corners[i], corners[Next(i)], beside_)) continue;
       const uint32_t across = mesh_.opposite[3 * face + i];
       if (across != kNoHalfEdge)
         queue.Add({across / 3, 0, {}});
-      else if (!LieBeside(corners[i], corners[Next(i)], 0))
-        shadow_.is_whole = false;
+      else if (!LieBeside(corners[i], corners[Next(i)], -kOnRim))
+        WidenStrip(face, corners[i], corners[Next(i)]);
+    }
+  }
+  // After the last face.
+  void Finish() {
+    shadow_.is_whole = cover_ > 0;
+    for (int side = 0; side < 3; ++side) {
+      if (strip_[side] >= kProbe[side]) shadow_.is_whole = false;
+    }
+    for (int side = 0; side < 3 && shadow_.is_whole; ++side) {
+      if (strip_[side] > 0) AddStrip(side);
     }
   }
 
  private:
+  // Makes one of the strips along the triangle's sides hold the edge of a rim.
+  void WidenStrip(uint32_t face, const Over& a, const Over& b) {
+    // What of it lies over the triangle.
+    double begin = 0, end = 1;
+    for (int side = 0; side < 3; ++side) {
+      const double from = a.weight[side], to = b.weight[side];
+      if ((from < 0) == (to < 0)) continue;
+      const double t = from / (from - to);
+      from < 0 ? begin = std::max(begin, t) : end = std::min(end, t);
+    }
+    if (begin > end) return;
+    const Over p = Between(a, b, begin), q = Between(a, b, end);
+    int next_to = 0;
+    const auto width = [&](int side) { return std::max(p.weight[side], q.weight[side]); };
+    for (int side = 1; side < 3; ++side) {
+      if (width(side) < width(next_to)) next_to = side;
+    }
+    if (!(width(next_to) > strip_[next_to])) return;
+    strip_[next_to] = width(next_to), strip_face_[next_to] = face;
+  }
+  // Side i is what faces corner i here.
+  void AddStrip(int side) {
+    const double width = strip_[side];
+    double corner[2][2][3] = {};  // at either end of it: on the side, and away from it
+    for (int end = 0; end < 2; ++end) {
+      const int at = (side + 1 + end) % 3;
+      corner[end][0][at] = 1;
+      corner[end][1][at] = 1 - width, corner[end][1][side] = width;
+    }
+    const Vec3 a = frame_.PlaceOf(corner[0][0]), b = frame_.PlaceOf(corner[1][0]), c = frame_.PlaceOf(corner[1][1]),
+               d = frame_.PlaceOf(corner[0][1]);
+    shadow_.doubtful.push_back({{a, b, c}, strip_face_[side]});
+    shadow_.doubtful.push_back({{a, c, d}, strip_face_[side]});
+  }
   // What turns away lies under something that does not, or the triangle's edge does.
   bool FacesTriangle(uint32_t face) const {
     const Vec3& a = mesh_.Corner(face, 0);
@@ -87,15 +181,26 @@ class ShadowCaster {
       if (LeastWeight(a) >= -beside_) AddIfFar(face, i, 0, a);
       if (!LieBeside(a, b, 0)) CrossSides(face, i, a, b);
     }
+    AddIfDoubtful(face, corners);
+  }
+  // What the face covers of the triangle, if a corner of that is too far from it.
+  void AddIfDoubtful(uint32_t face, const Over (&corners)[3]) {
+    Polygon covered{{corners[0], corners[1], corners[2]}, 3};
+    for (int side = 0; side < 3 && covered.size > 0; ++side) covered = ClippedAgainst(side, covered);
+    const auto is_far = [&](const Over& at) {
+      return std::abs(at.height) > bound_ &&
+             ClosestOnFace(mesh_, face, frame_.PlaceOf(at.weight)).squared_distance > bound_ * bound_;
+    };
+    if (std::none_of(covered.corner, covered.corner + covered.size, is_far)) return;
+    const auto place = [&](int i) { return frame_.PlaceOf(covered.corner[i].weight); };
+    for (int i = 1; i + 1 < covered.size; ++i) shadow_.doubtful.push_back({{place(0), place(i), place(i + 1)}, face});
   }
   void CrossSides(uint32_t face, int edge, const Over& a, const Over& b) {
     for (int side = 0; side < 3; ++side) {
       if ((a.weight[side] < 0) == (b.weight[side] < 0)) continue;
       const double t = a.weight[side] / (a.weight[side] - b.weight[side]);
-      Over at;
-      for (int i = 0; i < 3; ++i) at.weight[i] = a.weight[i] + t * (b.weight[i] - a.weight[i]);
+      Over at = Between(a, b, t);
       at.weight[side] = 0;
-      at.height = a.height + t * (b.height - a.height);
       if (LeastWeight(at) >= 0) AddIfFar(face, edge, t, at);
     }
   }
@@ -117,6 +222,9 @@ class ShadowCaster {
   const ShadowFrame& frame_;
   const double bound_, beside_;
   Shadow& shadow_;
+  int cover_ = 0;         // of the probe
+  double strip_[3] = {};  // weights up to which rims pass along the triangle's sides, by the corner across
+  uint32_t strip_face_[3] = {};
 };
 
 }  // namespace
@@ -124,6 +232,7 @@ class ShadowCaster {
 void CastShadow(const FaceView& mesh, uint32_t start, const std::array<Vec3, 3>& triangle, const ShadowBounds& bounds,
                 Shadow& shadow) {
   shadow.far.clear();
+  shadow.doubtful.clear();
   shadow.is_whole = true;
   const ShadowFrame frame(triangle);
   if (frame.is_flat()) {
@@ -141,6 +250,7 @@ void CastShadow(const FaceView& mesh, uint32_t start, const std::array<Vec3, 3>&
     }
     caster.LookAt(queue[i].face, queue);
   }
+  caster.Finish();
 }
 
 }  // namespace meshfront

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -29,6 +30,12 @@ struct FarPlace {
   SourcePoint above;
   bool is_detail = false;
   bool is_beside = false;  // the place below lies in the triangle's plane, but outside it
+};
+
+// A part of a triangle that may be farther from the surface than the rest, and where over it to begin.
+struct DoubtfulPart {
+  std::array<Vec3, 3> corners;
+  SourcePoint start;
 };
 
 // A stretch of a way over a surface inside one of its patches, straight there.
@@ -85,14 +92,21 @@ class Surface {
     return 0;
   }
 
-  // Collects places where a triangle and the surface over it, around `start`, may be farther apart than `bound`. True: without any
-  // the triangle is nowhere farther from the surface. False: it can't tell of all of the triangle. Details beside the triangle belong to
-  // it by up to `beside` of its size. Surfaces that have no faces never can.
+  // Collects places where a triangle and the surface over it, around `start`, may be farther apart than `bound`. True: the triangle is
+  // nowhere farther from the surface but in the doubtful parts. False: it can't tell of all of the triangle. Details beside the triangle
+  // belong to it by up to `beside` of its size. Surfaces that have no faces never can.
   virtual bool FindFarPlaces(const SourcePoint& start, const std::array<Vec3, 3>& triangle, double bound, double beside,
-                             std::vector<FarPlace>& far) const {
+                             std::vector<FarPlace>& far, std::vector<DoubtfulPart>& doubtful) const {
     static_cast<void>(start), static_cast<void>(triangle), static_cast<void>(bound), static_cast<void>(beside);
-    far.clear();
+    far.clear(), doubtful.clear();
     return false;
+  }
+
+  // How far a place is from the flat piece of the surface that p lies on: no less than from the surface, and convex, so that over a
+  // triangle it is largest at a corner. Infinite where the surface has no such pieces.
+  virtual double DistanceToPieceOf(const SourcePoint& p, const Vec3& place) const {
+    static_cast<void>(p), static_cast<void>(place);
+    return std::numeric_limits<double>::infinity();
   }
 
   // Whether the surface itself passes through or touches itself within `radius` of a place: there a mesh of it may do the same.

@@ -140,11 +140,12 @@ void BM_FindFarPlaces(benchmark::State& state) {
     if (const auto apex = Surface().FindApex(a, b, length, length)) triangles.push_back({b, a, *apex});
   }
   std::vector<FarPlace> far;
+  std::vector<DoubtfulPart> doubtful;
   size_t i = 0;
   for (auto _ : state) {
     const auto& t = triangles[i++ % triangles.size()];
     benchmark::DoNotOptimize(
-        Surface().FindFarPlaces(t[0], {t[0].position, t[1].position, t[2].position}, length, 0, far));
+        Surface().FindFarPlaces(t[0], {t[0].position, t[1].position, t[2].position}, length, 0, far, doubtful));
   }
   state.SetItemsProcessed(static_cast<int64_t>(ratio * ratio * static_cast<double>(state.iterations())));
 }

@@ -88,5 +88,39 @@ TEST(Deviation, OfAFurrowBesideTheMiddlesIsFound) {
   }
 }
 
+// The same of four pieces: the plane on either side, and the slopes.
+class FurrowOfPieces : public FurrowSurface {
+ public:
+  FurrowOfPieces(double at, double size) : FurrowSurface(at, size), at_(at), size_(size) {}
+  SourcePoint Project(const Vec3& x, uint32_t patch) const override {
+    SourcePoint p = FurrowSurface::Project(x, patch);
+    p.patch = (p.position.x < at_ ? 0 : 2) + (p.position.z < 0 ? 1 : 0);
+    return p;
+  }
+  double DistanceToPieceOf(const SourcePoint& p, const Vec3& place) const override {
+    const double side = p.patch < 2 ? -1 : 1, d = side * (place.x - at_);  // away from the bottom
+    if (p.patch % 2 == 0) return std::hypot(place.z, std::max(0.0, size_ - d));
+    const double along = std::clamp((d + place.z + size_) / 2, 0.0, size_);
+    return std::hypot(d - along, place.z - (along - size_));
+  }
+
+ private:
+  double at_, size_;
+};
+
+// However narrow: what can't be shown to keep the bound does not keep it.
+TEST(Deviation, OfAFurrowBetweenPiecesIsAlwaysFound) {
+  for (const double width : {0.001, 0.01, 0.1}) {
+    for (const double at : {-0.31, 0.1234, 0.55}) {
+      const FurrowOfPieces furrow(at, width);
+      const auto corners = Inscribed(PlaneSurface(), 1);
+      const double exact = width / std::sqrt(2.0);
+      EXPECT_FALSE(DeviationMeter(furrow, 0.8 * exact).Measure(corners).is_kept) << width << " at " << at;
+      EXPECT_TRUE(DeviationMeter(furrow, 1.5 * exact).Measure(corners).is_kept || width < 0.05)
+          << width << " at " << at;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace meshfront

@@ -16,13 +16,14 @@ using ::testing::IsEmpty;
 
 struct Found {
   std::vector<FarPlace> far;
+  std::vector<DoubtfulPart> doubtful;
   bool all = false;
 };
 Found FindFar(const MeshSurface& surface, const std::array<Vec3, 3>& triangle, double bound, double beside = 0.1) {
   SourcePoint start = surface.AtVertex(VertexId(0));
   for (int i = 0; i < 3; ++i) start = surface.Snap(start, triangle[0]);
   Found found;
-  found.all = surface.FindFarPlaces(start, triangle, bound, beside, found.far);
+  found.all = surface.FindFarPlaces(start, triangle, bound, beside, found.far, found.doubtful);
   return found;
 }
 
@@ -107,6 +108,42 @@ TEST(FarPlaces, AreNotAllKnownBeyondARim) {
   auto triangle = kTriangle;
   for (Vec3& p : triangle) p.x += 0.7;
   EXPECT_FALSE(FindFar(*surface, triangle, 0.01).all);
+}
+
+// What is cut off by a rim is looked at more closely; the rest is known.
+TEST(FarPlaces, LeaveInDoubtWhatLiesBeyondARim) {
+  const auto surface = SurfaceOf(Sheet(12));
+  const std::array<Vec3, 3> triangle = {Vec3{0.1, 0.03, 0}, Vec3{1.05, -0.4, 0}, Vec3{1.05, 0.4, 0}};
+  const Found found = FindFar(*surface, triangle, 0.01);
+  EXPECT_TRUE(found.all);
+  EXPECT_THAT(found.far, IsEmpty());
+  ASSERT_THAT(found.doubtful, ::testing::SizeIs(2));
+  for (const DoubtfulPart& part : found.doubtful) {
+    for (const Vec3& p : part.corners) EXPECT_GT(p.x, 1 - 1e-9);
+  }
+}
+
+TEST(FarPlaces, LeaveNothingInDoubtBesideAStraightRim) {
+  const auto surface = SurfaceOf(Sheet(12));
+  const Found found = FindFar(*surface, {Vec3{0.1, 0.03, 0}, Vec3{1, -0.4, 0}, Vec3{1, 0.4, 0}}, 0.01);
+  EXPECT_TRUE(found.all);
+  EXPECT_THAT(found.doubtful, IsEmpty());
+}
+
+// Where nothing of a face but its inside lies over the triangle.
+TEST(FarPlaces, LeaveInDoubtACornerThatIsFarFromTheFaceOverIt) {
+  const auto surface = SurfaceOf(Sheet(1));
+  const std::array<Vec3, 3> triangle = {Vec3{-0.6, -0.4, 0}, Vec3{-0.5, -0.4, 0}, Vec3{-0.5, -0.3, 0.03}};
+  EXPECT_THAT(FindFar(*surface, triangle, 0.031).doubtful, IsEmpty());
+  EXPECT_FALSE(FindFar(*surface, triangle, 0.02).doubtful.empty());
+}
+
+// From a face that does not lie over the triangle there is no way to those that do.
+TEST(FarPlaces, AreNotKnownFromAFaceElsewhere) {
+  const auto surface = SurfaceOf(Sheet(12));
+  std::vector<FarPlace> far;
+  std::vector<DoubtfulPart> doubtful;
+  EXPECT_FALSE(surface->FindFarPlaces(surface->AtVertex(VertexId(0)), kTriangle, 0.01, 0.1, far, doubtful));
 }
 
 }  // namespace
