@@ -137,9 +137,11 @@ void WarnOfDeviations(const FrontReport& front, double scale, Report& report) {
   const double largest = front.largest_deviation / scale;
   report.error_bound = std::max(report.error_bound, largest);
   if (report.parameters.target_triangles > 0) return;
+  const Vec3 place = front.farthest_place / scale;
   report.warnings.push_back(absl::StrCat(front.beyond_max_error, " of ", front.triangles,
-                                         " triangles are farther from the surface than ", "max_error (",
-                                         report.parameters.options.max_error->value, "), by up to ", largest));
+                                         " triangles are farther from the surface than max_error (",
+                                         report.parameters.options.max_error->value, "), by up to ", largest, " near ",
+                                         place.x, ", ", place.y, ", ", place.z));
 }
 
 }  // namespace

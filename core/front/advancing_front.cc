@@ -59,6 +59,7 @@ constexpr size_t kMayFold = 3;
 constexpr double kRollBackLength = 0.7;  // of g, where the front has to advance again
 constexpr size_t kMaxRollBacksAtAPlace = 5;
 constexpr size_t kMaxRollBacksForShape = 3;  // the same for slivers
+constexpr size_t kMaxRollBacksForBound = 2;  // … and for what refinement can't bring within max_error
 constexpr size_t kMaxRollBacks = 500;
 constexpr int kRollBackRings = 2;
 constexpr double kRollBackReach = 4.0;         // edge lengths around a place that count as the same place
@@ -710,6 +711,9 @@ absl::Status AdvancingFront::Settle(bool everything) {
     else
       window_.Excuse(t);
   }
+  for (const WindowTriangleId t : window_.beyond()) {
+    if (fronts_.at(t).alive) taken_back |= TakeBack(t, kMaxRollBacksForBound);
+  }
   if (taken_back && everything) return absl::OkStatus();  // the caller advances and settles again
   if (taken_back) window_.MeasureDepth();                 // fronts are back where none was
   MESHFRONT_RETURN_IF_ERROR(context_.CheckStop());
@@ -737,6 +741,7 @@ FrontReport AdvancingFront::Summarise() const {
   report.longest_edge = counts.longest_edge;
   report.largest_deviation = counts.largest_deviation;
   report.beyond_max_error = counts.beyond_max_error;
+  report.farthest_place = counts.farthest_place;
   report.quality = counts.quality.Report();
   const OpenBoundary boundary = MeasureBoundary(fronts_, rim_edges_);
   report.boundary_edges = boundary.edges + window_.rim_insertions();

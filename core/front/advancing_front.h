@@ -48,8 +48,9 @@ struct FrontReport {
   uint64_t boundary_edges = 0, boundary_loops = 0;
   uint64_t pinched_vertices = 0;  // where open places meet each other or the rim: their triangles are not one fan
   double longest_edge = 0;
-  double largest_deviation = 0;   // from the surface, sampled at each triangle; with max_error only
-  uint64_t beyond_max_error = 0;  // triangles that deviate more than max_error there
+  double largest_deviation = 0;   // from the surface, of triangles that don't keep max_error
+  uint64_t beyond_max_error = 0;  // such triangles
+  Vec3 farthest_place;            // the middle of the worst
   QualityReport quality;
   std::vector<Vec3>
       open_places;  // where the mesh could not be closed, or not without an intersection; empty when all is well

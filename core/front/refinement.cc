@@ -1,6 +1,7 @@
 // Refine: each triangle that is beyond the bound, the worst first, unless a neighbour's turn has changed it already.
 //   kSides       its longest side is halved, or all of them where one would not do. Smoothing and flips round the halves off.
 //   kWorstPlace  the side next to the worst place, or the triangle, is split right there
+//   kAnyShape    the same for what no round triangle can mend: at rims and creases whose edges are given
 // Rejected: taking the place back and advancing again with shorter edges. The field's slope carries these four edges far, so that one
 // bad triangle costs dozens.
 #include "core/front/refinement.h"
@@ -21,7 +22,9 @@ constexpr double kShortestPerGuidance =
     0.0625;  // no shorter edges than this part of what the field asks for: bounds a place
 constexpr double kMinAgreement =
     0.3;  // cosine between the normals of new triangles and of the surface at their corners
+constexpr double kLeastAgreement = 0;                    // … where those that they replace have less than that
 constexpr double kMinRadiusRatio = 0.2;                  // of new triangles
+constexpr double kMinAnyRatio = 0.03;                    // … where any shape will do
 constexpr double kLiftedTo = 0.97;                       // of the bound: where a worst place is moved
 constexpr double kLeastLifted = 0.9, kMostLifted = 1.4;  // … from where
 constexpr int kLiftSteps = 5;                            // there may be several such places
@@ -98,6 +101,7 @@ double Refinement::DistanceToOutput(const Vec3& place, const Corners& corners) c
 std::vector<WindowVertexId> Refinement::Refine(const std::vector<WindowTriangleId>& triangles, Manner manner,
                                                const Limits& limits) {
   made_.clear();
+  least_ratio_ = manner == Manner::kAnyShape ? kMinAnyRatio : kMinRadiusRatio;
   touched_.assign(fronts_.triangle_slots(), 0);
   std::vector<WindowTriangleId> beyond;
   for (const WindowTriangleId t : triangles) {
@@ -135,7 +139,7 @@ bool Refinement::TryLift(WindowTriangleId id, Deviation deviation) {
     if (!LiftOnce(corners, deviation.worst)) break;
     deviation = MeasureCorners(corners);
   }
-  if (deviation.is_kept && KeepsAround(corners)) return true;
+  if (deviation.is_kept && KeepsAround(corners, kMinLiftedRatio)) return true;
   for (int i = 0; i < 3; ++i) fronts_.at(corners[i]).position = before[i];
   return false;
 }
@@ -160,7 +164,7 @@ bool Refinement::LiftOnce(const Corners& corners, const PlaceAndFoot& worst) {
 
 // Whether the triangles around the corners are not farther beyond the bound than they were. Writes
 // their deviations down if so.
-bool Refinement::KeepsAround(const Corners& corners) {
+bool Refinement::KeepsAround(const Corners& corners, double least_ratio) {
   std::vector<std::pair<WindowTriangleId, double>> now;
   bool keeps = true;
   for (const WindowVertexId v : corners) {
@@ -169,13 +173,21 @@ bool Refinement::KeepsAround(const Corners& corners) {
       if (!keeps || std::any_of(now.begin(), now.end(), is_known)) return;
       const auto& c = fronts_.at(t).corners;
       const Deviation deviation = MeasureCorners(c);
-      keeps = RatioOf(c) >= kMinLiftedRatio && (deviation.is_kept || deviation.largest <= fronts_.at(t).deviation);
+      keeps = RatioOf(c) >= least_ratio && (deviation.is_kept || deviation.largest <= fronts_.at(t).deviation);
       now.push_back({t, deviation.largest});
     });
   }
   if (!keeps) return false;
   for (const auto& [t, deviation] : now) fronts_.at(t).deviation = deviation;
   return true;
+}
+
+bool Refinement::TryMove(WindowVertexId id, const Vec3& place) {
+  const Vec3 before = fronts_.at(id).position;
+  fronts_.at(id).position = place;
+  if (KeepsAround({id, id, id}, 0)) return true;
+  fronts_.at(id).position = before;
+  return false;
 }
 
 bool Refinement::TryTurn(WindowTriangleId t) {
@@ -293,7 +305,7 @@ void Refinement::RoundOff(WindowVertexId id) {
     v.source = surface_.Snap(source, source.position + best);
     v.position = v.source.position + height * v.source.normal;
     const double after = WorstAround(id, v.position);
-    if (after > worst && KeepsAround({id, id, id})) {
+    if (after > worst && KeepsAround({id, id, id}, kMinLiftedRatio)) {
       worst = after;
     } else {
       v.source = source, v.position = position;
@@ -311,6 +323,7 @@ void Refinement::RefineAt(WindowTriangleId t, const Deviation& deviation, Manner
 void Refinement::Touch(WindowTriangleId t) {
   if (touched_.size() <= t.index()) touched_.resize(fronts_.triangle_slots(), 0);
   touched_[t.index()] = 1;
+  fronts_.at(t).deviation = -1;
 }
 
 // Neither side of it is settled, on a front or next to one, and its halves are not too short.
@@ -335,15 +348,25 @@ Link Refinement::SideBetween(WindowVertexId from, WindowVertexId to) const {
   return side;
 }
 
+// The least cosine between a triangle's normal and the surface's at its corners, or kMinAgreement: what may come instead of it.
+double Refinement::LeastAgreement(const Corners& c) const {
+  if (least_ratio_ != kMinRadiusRatio) return kMinAgreement;
+  const WindowVertex *p = &fronts_.at(c[0]), *q = &fronts_.at(c[1]), *r = &fronts_.at(c[2]);
+  const Vec3 normal = Normalized(AreaVector(p->position, q->position, r->position));
+  const double agreement = std::min(
+      {kMinAgreement, Dot(normal, p->source.normal), Dot(normal, q->source.normal), Dot(normal, r->source.normal)});
+  return std::max(agreement, kLeastAgreement);
+}
+
 // Whether the triangles of a new vertex and these sides face the surface's way and are no slivers.
-bool Refinement::FitsBetween(const Vec3& place, const Vec3& place_normal,
+bool Refinement::FitsBetween(const Vec3& place, const Vec3& place_normal, double least_agreement,
                              absl::Span<const std::array<WindowVertexId, 2>> opposite) const {
   return std::all_of(opposite.begin(), opposite.end(), [&](const std::array<WindowVertexId, 2>& side) {
     const WindowVertex &from = fronts_.at(side[0]), &to = fronts_.at(side[1]);
     const Vec3 normal = Normalized(AreaVector(place, from.position, to.position));
     const double agreement =
         std::min({Dot(normal, place_normal), Dot(normal, from.source.normal), Dot(normal, to.source.normal)});
-    return agreement >= kMinAgreement && RadiusRatio(place, from.position, to.position) >= kMinRadiusRatio;
+    return agreement >= least_agreement && RadiusRatio(place, from.position, to.position) >= least_ratio_;
   });
 }
 
@@ -366,7 +389,8 @@ bool Refinement::TrySplitSide(Link h, const Vec3& target) {
   const Link g = s.across[h.side()];
   const WindowVertexId c = s.corners[(h.side() + 2) % 3], d = fronts_.at(g.triangle()).corners[(g.side() + 2) % 3];
   const SourcePoint source = surface_.Snap(fronts_.at(a).source, target);
-  if (!FitsBetween(source.position, source.normal, {{b, c}, {c, a}, {a, d}, {d, b}})) return false;
+  const double least_agreement = std::min(LeastAgreement({a, b, c}), LeastAgreement({b, a, d}));
+  if (!FitsBetween(source.position, source.normal, least_agreement, {{b, c}, {c, a}, {a, d}, {d, b}})) return false;
   Touch(h.triangle()), Touch(g.triangle());
   fronts_.SplitSide(h, NewVertex(source, a, b));
   return true;
@@ -425,8 +449,8 @@ Refinement::Quad Refinement::QuadAround(Link h) const {
 // Whether the triangles on the other diagonal face the surface's way and it is not an edge already.
 bool Refinement::MayTurn(const Quad& q) const {
   const WindowVertex &c = fronts_.at(q.c), &d = fronts_.at(q.d);
-  return FitsBetween(c.position, c.source.normal, {{q.d, q.b}}) &&
-         FitsBetween(d.position, d.source.normal, {{q.c, q.a}}) && !fronts_.EdgeExists(q.c, q.d);
+  return FitsBetween(c.position, c.source.normal, kMinAgreement, {{q.d, q.b}}) &&
+         FitsBetween(d.position, d.source.normal, kMinAgreement, {{q.c, q.a}}) && !fronts_.EdgeExists(q.c, q.d);
 }
 
 bool Refinement::HalveSides(WindowTriangleId t, const Deviation& deviation) {
@@ -459,7 +483,7 @@ bool Refinement::TrySplitRim(WindowTriangleId id, const SourcePoint& place) {
     const Vec3 &from = fronts_.at(a).position, &to = fronts_.at(b).position;
     const double shortest = std::max(min_edge_, kShortestPerGuidance * fronts_.at(a).length);
     if (Distance(from, place.position) < shortest || Distance(to, place.position) < shortest) continue;
-    if (!FitsBetween(place.position, place.normal, {{b, c}, {c, a}})) continue;
+    if (!FitsBetween(place.position, place.normal, kMinAgreement, {{b, c}, {c, a}})) continue;
     Touch(id);
     fronts_.SplitSide(Link::HalfEdge(id, side), NewVertex(place, a, b));
     ++rim_insertions_;
@@ -480,7 +504,7 @@ bool Refinement::SplitAtWorst(WindowTriangleId id, const Deviation& deviation) {
   const double longest = std::max({Distance(p[0], p[1]), Distance(p[1], p[2]), Distance(p[2], p[0])});
   if (longest < 2 * std::max(min_edge_, kShortestPerGuidance * fronts_.at(corners[0]).length)) return false;
   if (weight[least] < kNearSide / 2) return false;  // on a side that can't be split
-  if (!FitsBetween(deviation.worst.foot.position, deviation.worst.foot.normal,
+  if (!FitsBetween(deviation.worst.foot.position, deviation.worst.foot.normal, LeastAgreement(corners),
                    {{corners[0], corners[1]}, {corners[1], corners[2]}, {corners[2], corners[0]}}))
     return false;
   Touch(id);

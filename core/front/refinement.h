@@ -16,6 +16,7 @@ class Refinement {
   enum class Manner {
     kSides,       // halves sides, to be moved to better places afterwards
     kWorstPlace,  // puts the vertex where the surface is farthest, to stay there
+    kAnyShape,    // the same, though slivers come of it
   };
 
   // `depth`: of vertices, from which on they may get new triangles; `min_edge`: no shorter ones are made.
@@ -39,6 +40,10 @@ class Refinement {
                                      const Limits& limits);
   // Moves the vertices to where the triangles around them are rounder, as far as these stay within the bound.
   void RoundOff(const std::vector<WindowVertexId>& vertices);
+  // Moves a vertex, if no triangle around it leaves the bound by that.
+  bool TryMove(WindowVertexId v, const Vec3& place);
+  // What it keeps, a little less than max_error.
+  double bound() const { return max_error_; }
   // Vertices that rims have got by it so far.
   uint64_t rim_insertions() const { return rim_insertions_; }
 
@@ -51,7 +56,7 @@ class Refinement {
   bool TryLift(WindowTriangleId t, Deviation deviation);
   bool LiftOnce(const Corners& corners, const PlaceAndFoot& worst);
   bool MayMove(WindowVertexId v) const;
-  bool KeepsAround(const Corners& corners);
+  bool KeepsAround(const Corners& corners, double least_ratio);
   bool TryTurn(WindowTriangleId t);
   bool TryTurnSide(Link half_edge);
   struct Quad {
@@ -77,18 +82,20 @@ class Refinement {
   void Touch(WindowTriangleId t);
   Link SideBetween(WindowVertexId from, WindowVertexId to) const;
   bool TrySplitSide(Link half_edge, const Vec3& target);
-  bool FitsBetween(const Vec3& place, const Vec3& normal,
+  double LeastAgreement(const Corners& corners) const;
+  bool FitsBetween(const Vec3& place, const Vec3& normal, double least_agreement,
                    absl::Span<const std::array<WindowVertexId, 2>> opposite) const;
   WindowVertexId NewVertex(const SourcePoint& source, WindowVertexId a, WindowVertexId b);
 
   const Surface& surface_;
   FrontSet& fronts_;
-  static constexpr double kAimedAt =
-      0.985;  // of the bound: between the places that are looked at the distance may be a little more
+  // Of the bound. Who certifies the output encloses its distance to a fiftieth of the bound, say, and looks at the upper end.
+  static constexpr double kAimedAt = 0.9799;
 
   const double max_error_, min_edge_;
   const uint32_t depth_;
   DeviationMeter meter_;
+  double least_ratio_ = 0;  // of new triangles
   uint64_t rim_insertions_ = 0;
   std::vector<WindowVertexId> made_;  // by this call of Refine
   std::vector<uint8_t> touched_;      // triangle slots that this call has changed

@@ -15,7 +15,6 @@
 #include <cmath>
 #include <limits>
 
-#include "core/front/audit.h"
 #include "core/geometry/intersection.h"
 #include "core/geometry/triangle.h"
 
@@ -34,10 +33,18 @@ constexpr int kImproveSweeps = 2, kSearchSweeps = 4, kFitSweeps = 2;
 constexpr double kMaxFitPerLength = 0.15;  // the fit moves a vertex by at most this part of its mean spoke
 constexpr double kFitPerErrorBound = 0.9;  // … and at most this part of the error bound of the triangles around it
 constexpr double kFitMayLoseQuality = 0.97;
-constexpr int kMovedRounds = 8, kPlainRounds = 4;  // of the refinement; each round reaches every triangle once
-constexpr int kRefinementRings = 2;                // around new vertices, that move with them
-constexpr size_t kMaxRing = 24;                    // vertices around one that is removed
-constexpr double kSliver = 0.25;  // radius ratio below which a triangle is worth another try of the front
+constexpr int kMovedRounds = 8, kPlainRounds = 4,
+              kLastRounds = 4;       // of the refinement; each reaches every triangle once
+constexpr int kRefinementRings = 2;  // around new vertices, that move with them
+constexpr size_t kMaxRing = 24;      // vertices around one that is removed
+constexpr double kSliver = 0.25;     // radius ratio below which a triangle is worth another try of the front
+
+template <class Id>
+std::vector<Id> MadeUnique(std::vector<Id> ids) {
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  return ids;
+}
 
 // Squared sine of the smallest angle: twice the area over the product of the two longest sides, squared. From the squares of
 // the sides and of twice the area.
@@ -445,6 +452,7 @@ std::vector<Fault> SettlingWindow::Improve(const Context& context) {
   if (std::isfinite(options_.max_error)) KeepMaxError(context);
   if (!context.CheckStop().ok()) return {};
   if (options_.smooth) FindSlivers();
+  if (std::isfinite(options_.max_error) && IsBeyondMended()) FindBeyond();
   return Audit();
 }
 
@@ -479,8 +487,7 @@ void SettlingWindow::ChooseNear(const std::vector<WindowVertexId>& made) {
       });
     }
   }
-  std::sort(near.begin(), near.end());
-  near.erase(std::unique(near.begin(), near.end()), near.end());
+  near = MadeUnique(std::move(near));
   chosen_.clear();
   for (const WindowVertexId v : near) {
     wanted[v.index()] = IsReached(fronts_.at(v));
@@ -499,9 +506,7 @@ void SettlingWindow::RoundOff(const std::vector<WindowTriangleId>& triangles) {
     if (RadiusRatio(place(0), place(1), place(2)) < kSearchBelow)
       corners.insert(corners.end(), t.corners.begin(), t.corners.end());
   }
-  std::sort(corners.begin(), corners.end());
-  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
-  refinement_.RoundOff(corners);
+  refinement_.RoundOff(MadeUnique(std::move(corners)));
 }
 
 // How many vertices the refinement may still add.
@@ -515,23 +520,38 @@ Refinement::Limits SettlingWindow::InsertionsLeft() const {
 }
 
 // Refines until every triangle keeps the bound: first by halved sides, each time moved to good places; what these moves can't keep
-// within the bound by plain insertions at last.
+// within the bound by plain insertions; and what no good triangle can, by any.
 void SettlingWindow::KeepMaxError(const Context& context) {
   std::vector<WindowTriangleId> all = around_;
-  for (int round = 0; round < kMovedRounds + kPlainRounds && context.CheckStop().ok(); ++round) {
-    const bool moves = round < kMovedRounds;
-    const std::vector<WindowVertexId> made = refinement_.Refine(
-        ReachedTriangles(), moves ? Refinement::Manner::kSides : Refinement::Manner::kWorstPlace, InsertionsLeft());
-    if (made.empty()) break;
+  const auto refine = [&](Refinement::Manner manner) {
+    const std::vector<WindowVertexId> made = refinement_.Refine(ReachedTriangles(), manner, InsertionsLeft());
     counts_.insertions += made.size();
+    if (made.empty() || !context.CheckStop().ok()) return false;
     ChooseNear(made);
-    if (moves) Polish(context, false);  // the new valences are worth something only when all has moved
+    if (manner == Refinement::Manner::kSides)
+      Polish(context, false);  // the new valences are worth something only when all has moved
     all.insert(all.end(), around_.begin(), around_.end());
+    return true;
+  };
+  int round = 0;
+  while (round < kMovedRounds && refine(Refinement::Manner::kSides)) ++round;
+  while (round < kMovedRounds + kPlainRounds && refine(Refinement::Manner::kWorstPlace)) ++round;
+  around_ = MadeUnique(all);
+  if (IsBeyondMended()) {
+    const auto is_within = [&](WindowTriangleId t) { return !IsBeyond(t); };
+    around_.erase(std::remove_if(around_.begin(), around_.end(), is_within), around_.end());
+    for (round = 0; round < kLastRounds && refine(Refinement::Manner::kAnyShape); ++round) continue;
   }
   if (options_.smooth) RoundOff(all);
-  std::sort(all.begin(), all.end());
-  all.erase(std::unique(all.begin(), all.end()), all.end());
-  around_ = std::move(all);  // for those who look for what has changed
+  around_ = MadeUnique(all);  // for those who look for what has changed
+}
+
+// Where a count is wanted the bound is what comes of it.
+bool SettlingWindow::IsBeyondMended() const { return !std::isfinite(options_.insertions.per_triangle); }
+
+bool SettlingWindow::IsBeyond(WindowTriangleId id) {
+  if (fronts_.at(id).alive && fronts_.at(id).deviation < 0) refinement_.Measure(id);
+  return fronts_.at(id).alive && fronts_.at(id).deviation > refinement_.bound();
 }
 
 void SettlingWindow::FindSlivers() {
@@ -544,6 +564,14 @@ void SettlingWindow::FindSlivers() {
   }
 }
 
+void SettlingWindow::FindBeyond() {
+  beyond_.clear();
+  for (uint32_t i = 0; i < fronts_.triangle_slots(); ++i) {
+    const WindowTriangleId id(i);
+    if (Leaves(id) && IsBeyond(id)) beyond_.push_back(id);
+  }
+}
+
 Vec3 SettlingWindow::WhereTheyMeet(WindowTriangleId s, WindowTriangleId t) const {
   const auto place = [&](WindowTriangleId id, int corner) {
     return fronts_.at(fronts_.at(id).corners[corner]).position;
@@ -551,22 +579,55 @@ Vec3 SettlingWindow::WhereTheyMeet(WindowTriangleId s, WindowTriangleId t) const
   return PlaceOfMeeting({place(s, 0), place(s, 1), place(s, 2)}, {place(t, 0), place(t, 1), place(t, 2)});
 }
 
-std::vector<Fault> SettlingWindow::Audit() {
-  std::vector<Fault> faults;
-  const auto leaves = [this](WindowTriangleId t) { return Leaves(t); };
-  auto pairs = FindIntersections(fronts_, leaves);
-  for (int attempt = 0; attempt < 2 && !pairs.empty() && options_.fit; ++attempt) {  // first without the fit's moves
-    for (const auto& [s, t] : pairs) {
-      for (const WindowTriangleId id : {s, t}) {
-        for (const WindowVertexId corner : fronts_.at(id).corners) {
-          WindowVertex& v = fronts_.at(corner);
-          if (!v.frozen()) v.position = v.source.position;
-          fronts_.VisitFan(corner, [&](WindowTriangleId around, int) { fronts_.at(around).deviation = -1; });
+// The corners of pairs that intersect go back to where they were before the fit; `gently`: where the bound is kept without it.
+void SettlingWindow::Unfit(const WindowTrianglePairs& pairs, bool gently, MovedVertices& moved) {
+  for (const auto& [s, t] : pairs) {
+    for (const WindowTriangleId id : {s, t}) {
+      for (const WindowVertexId corner : fronts_.at(id).corners) {
+        WindowVertex& v = fronts_.at(corner);
+        if (v.frozen() || v.position == v.source.position) continue;
+        if (gently) {
+          refinement_.TryMove(corner, v.source.position);
+        } else {
+          moved.push_back({corner, v.position});
+          Place(corner, v.source.position);
         }
       }
     }
+  }
+}
+
+void SettlingWindow::Place(WindowVertexId v, const Vec3& place) {
+  fronts_.at(v).position = place;
+  fronts_.VisitFan(v, [&](WindowTriangleId around, int) { fronts_.at(around).deviation = -1; });
+}
+
+// What intersects still, without the fit.
+WindowTrianglePairs SettlingWindow::AuditUnfitted(WindowTrianglePairs pairs) {
+  const auto leaves = [this](WindowTriangleId t) { return Leaves(t); };
+  const bool keeps_bound = std::isfinite(options_.max_error) && IsBeyondMended();
+  MovedVertices moved;
+  for (int attempt = 0; attempt < 2 && !pairs.empty(); ++attempt) {
+    Unfit(pairs, keeps_bound && attempt == 0, moved);
     pairs = FindIntersections(fronts_, leaves);
   }
+  if (!keeps_bound || pairs.empty() || moved.empty()) return pairs;
+  std::vector<WindowVertexId> helpless;  // where it was no use, the bound is kept at least
+  for (const auto& [s, t] : pairs) {
+    for (const WindowTriangleId id : {s, t})
+      helpless.insert(helpless.end(), fronts_.at(id).corners.begin(), fronts_.at(id).corners.end());
+  }
+  helpless = MadeUnique(std::move(helpless));
+  for (const auto& [v, before] : moved) {
+    if (std::binary_search(helpless.begin(), helpless.end(), v)) Place(v, before);
+  }
+  return FindIntersections(fronts_, leaves);
+}
+
+std::vector<Fault> SettlingWindow::Audit() {
+  std::vector<Fault> faults;
+  auto pairs = FindIntersections(fronts_, [this](WindowTriangleId t) { return Leaves(t); });
+  if (options_.fit && !pairs.empty()) pairs = AuditUnfitted(std::move(pairs));
   for (const auto& [s, t] : pairs) {
     if (fronts_.at(s).audit != AuditMark::kNone || fronts_.at(t).audit != AuditMark::kNone) continue;
     const Vec3 place = WhereTheyMeet(s, t);
@@ -612,7 +673,8 @@ absl::Status SettlingWindow::Emit(bool everything) {
     kinds.push_back(t.kind);
     if (std::isfinite(options_.max_error)) {
       if (t.deviation < 0) refinement_.Measure(id);
-      counts_.largest_deviation = std::max(counts_.largest_deviation, t.deviation);
+      if (t.deviation > counts_.largest_deviation)
+        counts_.largest_deviation = t.deviation, counts_.farthest_place = (place[0] + place[1] + place[2]) / 3.0;
       counts_.beyond_max_error += t.deviation > options_.max_error;
     }
     counts_.quality.Add(place[0], place[1], place[2]);

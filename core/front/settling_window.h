@@ -3,10 +3,12 @@
 #pragma once
 
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "core/base/context.h"
+#include "core/front/audit.h"
 #include "core/front/closure.h"
 #include "core/front/front_set.h"
 #include "core/front/insertion_limits.h"
@@ -33,6 +35,7 @@ struct SettledCounts {
   double longest_edge = 0;
   double largest_deviation = 0;   // from the surface; with max_error only
   uint64_t beyond_max_error = 0;  // triangles that are farther from it than max_error, and could not be refined enough
+  Vec3 farthest_place;            // the middle of the worst of them
   QualityAccumulator quality;
 };
 
@@ -58,6 +61,8 @@ class SettlingWindow {
   std::vector<Fault> Improve(const Context& context);
   // The triangles about to leave that are slivers still, and were not accepted; found by the last Improve.
   const std::vector<WindowTriangleId>& slivers() const { return slivers_; }
+  // … and those that the refinement could not bring within max_error, where it may add what it takes.
+  const std::vector<WindowTriangleId>& beyond() const { return beyond_; }
   // Sends what is kEmitDepth rings or more behind the fronts (`everything`: all) to the sink. The sink's status when it stops the job.
   absl::Status Emit(bool everything);
   // Intersecting triangles that could not be mended any more and were let go; their places.
@@ -101,7 +106,11 @@ class SettlingWindow {
   bool TryMove(WindowVertexId v, const Vec3& target, Measure measure, double& worst);
   double SquaredSineOf(WindowTriangleId t) const;
   void NoteChange(WindowTriangleId t);
+  using MovedVertices = std::vector<std::pair<WindowVertexId, Vec3>>;  // and where they were
   std::vector<Fault> Audit();
+  void Unfit(const WindowTrianglePairs& pairs, bool gently, MovedVertices& moved);
+  void Place(WindowVertexId v, const Vec3& place);
+  WindowTrianglePairs AuditUnfitted(WindowTrianglePairs pairs);
   Vec3 WhereTheyMeet(WindowTriangleId s, WindowTriangleId t) const;
   bool Leaves(WindowTriangleId t) const;
   VertexId NameOf(const WindowVertex& v, std::vector<OutputVertex>& vertices);
@@ -111,6 +120,9 @@ class SettlingWindow {
   void RoundOff(const std::vector<WindowTriangleId>& triangles);
   void ChooseNear(const std::vector<WindowVertexId>& made);
   void FindSlivers();
+  void FindBeyond();
+  bool IsBeyond(WindowTriangleId t);
+  bool IsBeyondMended() const;
 
   // The ring around a vertex: the corners opposite in each triangle, in order around it.
   struct Spoke {
@@ -140,7 +152,7 @@ class SettlingWindow {
   std::vector<uint32_t> changed_;  // of every triangle slot: when a corner moved, or it was made
   std::vector<double> sines_;  // of every triangle slot: of its smallest angle, squared, as of the last sweep of flips
   std::vector<uint8_t> is_search_due_;  // of every vertex slot: something around it changed
-  std::vector<WindowTriangleId> slivers_;
+  std::vector<WindowTriangleId> slivers_, beyond_;
   std::vector<Vec3> faults_;
   uint32_t next_output_ = 0;
 };

@@ -75,5 +75,44 @@ TEST(Refinement, PutsAVertexOnARimButNotOnACreaseThatTwoPatchesShare) {
   }
 }
 
+// A needle over the sphere inside a loop of three edges that are given: no round triangle helps.
+TEST(Refinement, TakesAnyShapeWhereItMust) {
+  const SphereSurface sphere;
+  for (const auto manner : {Refinement::Manner::kWorstPlace, Refinement::Manner::kAnyShape}) {
+    FrontSet fronts;
+    std::vector<WindowVertexId> v;
+    for (const Vec3& p : {Vec3{-0.4, 0, 1}, Vec3{0.4, 0.1, 1}, Vec3{0.4, -0.1, 1}})
+      v.push_back(fronts.AddVertex(sphere.Project(p, 0), 0.2, 1));
+    const FrontEdgeId e = fronts.AddLoop(v);
+    fronts.Connect(e, fronts.at(e).prev, TriangleKind::kClosing);
+    Refinement refinement(sphere, fronts, 0.02, 0, 0);
+    const auto made = refinement.Refine(LiveTriangles(fronts), manner, kNoLimits);
+    EXPECT_EQ(made.empty(), manner == Refinement::Manner::kWorstPlace);
+    EXPECT_EQ(FaultOf(fronts), "");
+  }
+}
+
+TEST(Refinement, MovesNoVertexOutOfTheBound) {
+  const SphereSurface sphere;
+  FrontSet fronts;
+  std::vector<WindowVertexId> v;
+  for (int i = 0; i < 6; ++i) {
+    const double angle = -std::numbers::pi / 3 * i;
+    v.push_back(fronts.AddVertex(sphere.Project({0.2 * std::cos(angle), 0.2 * std::sin(angle), 1}, 0), 0.2, 1));
+  }
+  const WindowVertexId middle = fronts.AddVertex(sphere.Project({0, 0, 1}, 0), 0.2, 1);
+  FrontSet::Step step = fronts.Grow(fronts.AddLoop(v), middle);
+  while (fronts.front_edge_count() > 0) {
+    const FrontEdgeId rim = fronts.at(step.made[step.made_count - 1]).next;
+    step = fronts.Connect(rim, fronts.at(rim).prev, TriangleKind::kConnection);
+  }
+  Refinement refinement(sphere, fronts, 0.02, 0, 0);
+  for (const WindowTriangleId t : LiveTriangles(fronts)) EXPECT_TRUE(refinement.Measure(t).is_kept);
+  EXPECT_FALSE(refinement.TryMove(middle, {0, 0, 1.03}));
+  EXPECT_EQ(fronts.at(middle).position, Vec3(0, 0, 1));
+  EXPECT_TRUE(refinement.TryMove(middle, {0, 0, 1.01}));
+  EXPECT_EQ(fronts.at(middle).position, Vec3(0, 0, 1.01));
+}
+
 }  // namespace
 }  // namespace meshfront
