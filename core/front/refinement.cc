@@ -24,7 +24,8 @@ constexpr double kMinAgreement =
     0.3;  // cosine between the normals of new triangles and of the surface at their corners
 constexpr double kLeastAgreement = 0;                    // … where those that they replace have less than that
 constexpr double kMinRadiusRatio = 0.2;                  // of new triangles
-constexpr double kMinAnyRatio = 0.03;                    // … where any shape will do
+constexpr double kMinAnyRatio = 0.1;                     // … where any shape will do
+constexpr double kMinLastRatio = 0.03;                   // … beside what has settled, so that it can't be taken back
 constexpr double kLiftedTo = 0.97;                       // of the bound: where a worst place is moved
 constexpr double kLeastLifted = 0.9, kMostLifted = 1.4;  // … from where
 constexpr int kLiftSteps = 5;                            // there may be several such places
@@ -101,7 +102,6 @@ double Refinement::DistanceToOutput(const Vec3& place, const Corners& corners) c
 std::vector<WindowVertexId> Refinement::Refine(const std::vector<WindowTriangleId>& triangles, Manner manner,
                                                const Limits& limits) {
   made_.clear();
-  least_ratio_ = manner == Manner::kAnyShape ? kMinAnyRatio : kMinRadiusRatio;
   touched_.assign(fronts_.triangle_slots(), 0);
   std::vector<WindowTriangleId> beyond;
   for (const WindowTriangleId t : triangles) {
@@ -113,7 +113,9 @@ std::vector<WindowVertexId> Refinement::Refine(const std::vector<WindowTriangleI
   for (const WindowTriangleId t : beyond) {
     if (IsTouched(t)) continue;
     const Deviation deviation = Measure(t);  // a neighbour's turn may have mended it
+    least_ratio_ = kMinRadiusRatio;
     if (deviation.is_kept || TryLift(t, deviation) || TryTurn(t)) continue;
+    least_ratio_ = LeastRatioFor(t, manner);
     if (made_.size() < (deviation.largest > kMuchBeyond * max_error_ ? limits.far : limits.usual))
       RefineAt(t, deviation, manner);
   }
@@ -311,6 +313,13 @@ void Refinement::RoundOff(WindowVertexId id) {
       v.source = source, v.position = position;
     }
   }
+}
+
+double Refinement::LeastRatioFor(WindowTriangleId id, Manner manner) const {
+  if (manner != Manner::kAnyShape) return kMinRadiusRatio;
+  const Corners& corners = fronts_.at(id).corners;
+  const auto is_frozen = [&](WindowVertexId v) { return fronts_.at(v).frozen(); };
+  return std::any_of(corners.begin(), corners.end(), is_frozen) ? kMinLastRatio : kMinAnyRatio;
 }
 
 void Refinement::RefineAt(WindowTriangleId t, const Deviation& deviation, Manner manner) {

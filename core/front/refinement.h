@@ -73,6 +73,7 @@ class Refinement {
   bool TryTurnAndRound(Link half_edge);
   void RoundOff(WindowVertexId v);
   double WorstAround(WindowVertexId v, const Vec3& place) const;
+  double LeastRatioFor(WindowTriangleId t, Manner manner) const;
   void RefineAt(WindowTriangleId t, const Deviation& deviation, Manner manner);
   bool HalveSides(WindowTriangleId t, const Deviation& deviation);
   bool TrySplitRim(WindowTriangleId t, const SourcePoint& place);

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "core/geometry/intersection.h"
@@ -463,14 +464,17 @@ bool SettlingWindow::Leaves(WindowTriangleId id) const {
                                 [&](WindowVertexId v) { return fronts_.at(v).depth >= kEmitDepth; });
 }
 
+bool SettlingWindow::IsReached(WindowTriangleId id) const {
+  const WindowTriangle& t = fronts_.at(id);
+  const auto is_reached = [&](WindowVertexId v) { return fronts_.at(v).depth >= kMoveDepth; };
+  return t.alive && std::all_of(t.corners.begin(), t.corners.end(), is_reached);
+}
+
 // The triangles around that may be refined.
 std::vector<WindowTriangleId> SettlingWindow::ReachedTriangles() const {
   std::vector<WindowTriangleId> doubtful;
-  for (uint32_t i = 0; i < around_.size(); ++i) {
-    const WindowTriangle& t = fronts_.at(around_[i]);
-    const auto is_reached = [&](WindowVertexId v) { return fronts_.at(v).depth >= kMoveDepth; };
-    if (t.alive && std::all_of(t.corners.begin(), t.corners.end(), is_reached)) doubtful.push_back(around_[i]);
-  }
+  std::copy_if(around_.begin(), around_.end(), std::back_inserter(doubtful),
+               [&](WindowTriangleId t) { return IsReached(t); });
   return doubtful;
 }
 

@@ -84,6 +84,7 @@ class SettlingWindow {
   static constexpr uint32_t kNotAround = 0xffffffffu;
 
   bool IsReached(const WindowVertex& v) const;
+  bool IsReached(WindowTriangleId t) const;
   void ChooseVertices();
   void GatherAround(const std::vector<uint8_t>& wanted);
   void Polish(const Context& context, bool begins_with_flips);

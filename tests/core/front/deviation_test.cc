@@ -113,7 +113,7 @@ TEST(Deviation, OfAFurrowBetweenPiecesIsAlwaysFound) {
   for (const double width : {0.001, 0.01, 0.1}) {
     for (const double at : {-0.31, 0.1234, 0.55}) {
       const FurrowOfPieces furrow(at, width);
-      const auto corners = Inscribed(PlaneSurface(), 1);
+      const auto corners = Inscribed(furrow, 1);
       const double exact = width / std::sqrt(2.0);
       EXPECT_FALSE(DeviationMeter(furrow, 0.8 * exact).Measure(corners).is_kept) << width << " at " << at;
       EXPECT_TRUE(DeviationMeter(furrow, 1.5 * exact).Measure(corners).is_kept || width < 0.05)

@@ -75,13 +75,13 @@ TEST(Refinement, PutsAVertexOnARimButNotOnACreaseThatTwoPatchesShare) {
   }
 }
 
-// A needle over the sphere inside a loop of three edges that are given: no round triangle helps.
+// A lean triangle over the sphere inside a loop of three edges that are given: no round triangle helps.
 TEST(Refinement, TakesAnyShapeWhereItMust) {
   const SphereSurface sphere;
   for (const auto manner : {Refinement::Manner::kWorstPlace, Refinement::Manner::kAnyShape}) {
     FrontSet fronts;
     std::vector<WindowVertexId> v;
-    for (const Vec3& p : {Vec3{-0.4, 0, 1}, Vec3{0.4, 0.1, 1}, Vec3{0.4, -0.1, 1}})
+    for (const Vec3& p : {Vec3{-0.4, 0, 1}, Vec3{0.4, -0.2, 1}, Vec3{0.4, 0.2, 1}})
       v.push_back(fronts.AddVertex(sphere.Project(p, 0), 0.2, 1));
     const FrontEdgeId e = fronts.AddLoop(v);
     fronts.Connect(e, fronts.at(e).prev, TriangleKind::kClosing);
