@@ -21,7 +21,7 @@ absl::StatusOr<std::vector<SizingSample>> BoundarySizingSamples(
 // the rim's edges, about g apart, sharp corners exactly. Each runs against the faces' half-edges, so that the surface lies on its
 // right. Each curve between two nodes of the feature graph is divided once, so that both sides of a crease have the same points;
 // curves that share both ends with others have one between them. Edges lie no farther than `max_sagitta` from the curve (absolute), unless
-// that took edges shorter than the field's shortest or a fifth of what they divide. ResourceExhausted when g is so small that a curve would get more
+// that took edges shorter than the field's shortest or a tenth of what they divide. ResourceExhausted when g is so small that a curve would get more
 // than 2^22 vertices; stops with the context. O(faces + points), about 0.1 µs a face where there are creases.
 absl::StatusOr<std::vector<OrientedLoop>> BoundaryLoops(const MeshSurface& surface, const GuidanceField& field,
                                                         double max_sagitta, const Context& context);

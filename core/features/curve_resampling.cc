@@ -47,15 +47,12 @@ class Resampler {
     if (!curve_.closed()) anchors.insert(anchors.begin(), 0);
     if (anchors.empty()) anchors = {VertexOfSmallestLength()};
     MESHFRONT_RETURN_IF_ERROR(DivideBetween(anchors));
-    const int rounds = std::isfinite(limits_.max_sagitta) ? kMaxRefinementsForSagitta : kMaxRefinements;
-    for (int round = 0; round < rounds; ++round) {
-      const std::vector<uint32_t> far = FindFarVertices(anchors);
-      if (far.empty()) break;
-      anchors.insert(anchors.end(), far.begin(), far.end());
-      std::sort(anchors.begin(), anchors.end());
+    MESHFRONT_RETURN_IF_ERROR(DivideAtFarVertices(anchors));
+    if (curve_.closed() && points_.size() < 3) {
+      anchors = SpanningVertices();
       MESHFRONT_RETURN_IF_ERROR(DivideBetween(anchors));
+      if (std::isfinite(limits_.max_sagitta)) MESHFRONT_RETURN_IF_ERROR(DivideAtFarVertices(anchors));
     }
-    if (curve_.closed() && points_.size() < 3) MESHFRONT_RETURN_IF_ERROR(DivideBetween(SpanningVertices()));
     if (points_.size() < limits_.least) DivideEvenly();
     for (CurvePoint& p : points_) p.segment %= curve_.size();
     return std::move(points_);
@@ -108,6 +105,18 @@ class Resampler {
     for (size_t i = 0; i < limits_.least; ++i)
       points_.push_back(
           curve_.PointAtArc(curve_.length() * static_cast<double>(i) / static_cast<double>(limits_.least)));
+  }
+
+  absl::Status DivideAtFarVertices(std::vector<uint32_t>& anchors) {
+    const int rounds = std::isfinite(limits_.max_sagitta) ? kMaxRefinementsForSagitta : kMaxRefinements;
+    for (int round = 0; round < rounds; ++round) {
+      const std::vector<uint32_t> far = FindFarVertices(anchors);
+      if (far.empty()) break;
+      anchors.insert(anchors.end(), far.begin(), far.end());
+      std::sort(anchors.begin(), anchors.end());
+      MESHFRONT_RETURN_IF_ERROR(DivideBetween(anchors));
+    }
+    return absl::OkStatus();
   }
 
   absl::Status DivideBetween(const std::vector<uint32_t>& anchors) {
@@ -204,7 +213,8 @@ class Resampler {
     const Vec3 from = curve_.At(points_[i]), to = EndOfChord(i);
     const bool is_far = DistanceToSegment(curve_[vertex], from, to) > limits_.max_sagitta;
     if (curve_.closed() && !is_far) return kMinAnchorDistance * field_(curve_[vertex]);
-    return std::max(is_far ? limits_.shortest : 0, kMinCreaseAnchorDistance * Distance(from, to));
+    if (!is_far) return kMinCreaseAnchorDistance * Distance(from, to);
+    return std::max(limits_.shortest, kMinSagittaAnchorDistance * Distance(from, to));
   }
   Vec3 EndOfChord(size_t i) const {
     if (i + 1 < points_.size()) return curve_.At(points_[i + 1]);

@@ -18,6 +18,8 @@ inline constexpr double kMaxSagittaShare = 0.2;
 // that it divides, a vertex may lie to the next.
 inline constexpr double kMaxCreaseSagittaShare = 0.125;
 inline constexpr double kMinCreaseAnchorDistance = 0.2;
+inline constexpr double kMinSagittaAnchorDistance =
+    0.1;  // … where the vertex lies beyond the sagitta that is asked for
 // Rounds in which such places get a vertex, by the shape alone, and where chords may lie only so far from the curve.
 inline constexpr int kMaxRefinements = 4, kMaxRefinementsForSagitta = 8;
 // Corners, and vertices added in that way, are at least this share of g apart along the curve, lest front edges become so

@@ -32,6 +32,8 @@ constexpr int kLiftSteps = 5;                            // there may be several
 constexpr double kLeastLever = 0.2;      // sum of the squared weights of what may move: it would move too far
 constexpr double kMinLiftedRatio = 0.3;  // radius ratio of the triangles around
 constexpr double kMinTurnedRatio = 0.8;
+constexpr double kEnclosingStep = 1.05;
+constexpr int kEnclosingSteps = 100;
 constexpr double kMinEqualizedRatio = 0.4;
 constexpr double kRound =
     0.9;  // radius ratio of the worst triangle around a vertex, from which on it is left where it is
@@ -56,6 +58,17 @@ Deviation Refinement::Measure(WindowTriangleId id) {
   const Deviation deviation = MeasureCorners(fronts_.at(id).corners);
   fronts_.at(id).deviation = deviation.largest;
   return deviation;
+}
+
+void Refinement::Enclose(WindowTriangleId id) {
+  WindowTriangle& t = fronts_.at(id);
+  std::array<PlaceAndFoot, 3> places;
+  for (int i = 0; i < 3; ++i) places[i] = {fronts_.at(t.corners[i]).position, fronts_.at(t.corners[i]).source};
+  double within = std::max(t.deviation, max_error_);
+  for (int step = 0; step < kEnclosingSteps; ++step, within *= kEnclosingStep) {
+    if (DeviationMeter(surface_, within).Measure(places).is_kept) break;
+  }
+  t.deviation = within;
 }
 
 Deviation Refinement::MeasureCorners(const Corners& corners) {

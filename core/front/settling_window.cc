@@ -677,6 +677,7 @@ absl::Status SettlingWindow::Emit(bool everything) {
     kinds.push_back(t.kind);
     if (std::isfinite(options_.max_error)) {
       if (t.deviation < 0) refinement_.Measure(id);
+      if (t.deviation > options_.max_error) refinement_.Enclose(id);
       if (t.deviation > counts_.largest_deviation)
         counts_.largest_deviation = t.deviation, counts_.farthest_place = (place[0] + place[1] + place[2]) / 3.0;
       counts_.beyond_max_error += t.deviation > options_.max_error;
