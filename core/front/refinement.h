@@ -30,7 +30,7 @@ class Refinement {
 
   // Measures how far triangle and surface are apart, both ways, and writes it down at the triangle.
   Deviation Measure(WindowTriangleId t);
-  // Writes down of a triangle that is beyond the bound what it is certainly within, to a twentieth.
+  // Writes down of a triangle that is beyond the bound what it is certainly within, about to a twentieth.
   void Enclose(WindowTriangleId t);
   // How many vertices a call may add, about: where triangles are beyond the bound, and where they are far beyond it.
   struct Limits {

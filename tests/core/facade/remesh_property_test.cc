@@ -151,6 +151,27 @@ TEST(MaxError, IsKeptByEveryTriangle) {
   }
 }
 
+// Also where edges are given beforehand, and where the fit is in the way of no other part but the input itself.
+TEST(MaxError, IsKeptAtBentCreasesAndWhereTheInputMeetsItself) {
+  const TriangleMesh crown = Mapped(CappedCylinder(1, 1, 32, 8), [](const Vec3& p) {
+    return Vec3{p.x, p.y, p.z * (1 + 0.3 * std::sin(5 * std::atan2(p.y, p.x)))};
+  });
+  const TriangleMesh crossing = Joined(Icosphere(4), Moved(Icosphere(4), {0.9, 0.1, 0}));
+  for (const TriangleMesh& input : {crown, crossing}) {
+    const TriangleBvh surface(input.positions, input.triangles);
+    for (const double error : {0.003, 0.008}) {
+      RemeshOptions options;
+      options.sizing = Sizing::kError;
+      options.max_error = Length{error, false};
+      const Outcome out = RemeshOrFail(input, options);
+      EXPECT_THAT(out.report.warnings, IsEmpty());
+      double worst = 0;
+      for (const Triangle& t : out.mesh.triangles) worst = std::max(worst, ForwardDistance(out.mesh, t, surface));
+      EXPECT_LE(worst, 0.98 * error) << "of " << out.mesh.triangles.size() << " triangles";
+    }
+  }
+}
+
 // A number of triangles leaves room for the worst places only, and says how far off the others are.
 TEST(MaxError, IsWhatTheReportBoundsWhereACountIsWanted) {
   const TriangleMesh input = BumpySphere(5);

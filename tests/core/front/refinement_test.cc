@@ -81,7 +81,7 @@ TEST(Refinement, TakesAnyShapeWhereItMust) {
   for (const auto manner : {Refinement::Manner::kWorstPlace, Refinement::Manner::kAnyShape}) {
     FrontSet fronts;
     std::vector<WindowVertexId> v;
-    for (const Vec3& p : {Vec3{-0.4, 0, 1}, Vec3{0.4, -0.14, 1}, Vec3{0.4, 0.14, 1}})
+    for (const Vec3& p : {Vec3{-0.4, 0, 1}, Vec3{0.4, 0.2, 1}, Vec3{0.4, -0.2, 1}})
       v.push_back(fronts.AddVertex(sphere.Project(p, 0), 0.2, 1));
     const FrontEdgeId e = fronts.AddLoop(v);
     fronts.Connect(e, fronts.at(e).prev, TriangleKind::kClosing);
