@@ -8,6 +8,8 @@ import sys
 import tempfile
 import unittest
 
+import max_error
+
 HERE = pathlib.Path(__file__).resolve().parent
 FAILS, IS_SLOW = "echo 'meshfront: out of ideas' >&2; exit 70", "while :; do :; done"
 # As much of meshfront as is needed to get to the judge.
@@ -63,6 +65,19 @@ class Survey(unittest.TestCase):
         self.assertEqual(["judge: not done after 1 s on the CPU"], rows[0]["problems"])
         self.assertEqual(1, len(self.survey(*arguments, "--judge-timeout", "1", "--timeout", "900")[1]))
         self.assertEqual(2, len(self.survey(*arguments, "--judge-timeout", "2")[1]))
+
+    def test_a_result_that_is_farther_away_than_the_bound_is_a_problem_even_if_it_says_so(self):
+        row = {"max_error": "0.1%", "forward_pct": 0.12, "forward_at": [1, 2, 3], "certified_pct": 0.13, "beyond_bound": False}
+        self.assertEqual(["1.200 of the bound away from the input, at 1, 2, 3"], max_error.beyond(row))
+        self.assertIn("which --stats does not say", max_error.beyond({**row, "beyond_bound": True})[0])
+        self.assertEqual(["certified to 1.300 of the bound, 0.900 of it by samples"], max_error.beyond({**row, "forward_pct": 0.09}))
+        self.assertEqual([], max_error.beyond({**row, "forward_pct": 0.09, "certified_pct": 0.1}))
+
+    def test_every_model_is_remeshed_at_every_bound(self):
+        said, rows = self.survey("max_error.py", FAILS, "--max-error", "1%,2%")
+        self.assertEqual([("1%", "scans/a.off"), ("1%", "scans/b.off"), ("2%", "scans/a.off"), ("2%", "scans/b.off")],
+                         [(row["max_error"], row["model"]) for row in rows])
+        self.assertIn("4 runs, 0 results, 4 with problems", said)
 
     def test_a_model_that_takes_too_long_or_cannot_be_read_is_a_problem_of_its_runs_alone(self):
         slow_on_bones = f"case $2 in *bone*) {IS_SLOW};; *) {FAILS};; esac"

@@ -75,23 +75,6 @@ TEST(Refinement, PutsAVertexOnARimButNotOnACreaseThatTwoPatchesShare) {
   }
 }
 
-// A lean triangle over the sphere inside a loop of three edges that are given: no round triangle helps.
-TEST(Refinement, TakesAnyShapeWhereItMust) {
-  const SphereSurface sphere;
-  for (const auto manner : {Refinement::Manner::kWorstPlace, Refinement::Manner::kAnyShape}) {
-    FrontSet fronts;
-    std::vector<WindowVertexId> v;
-    for (const Vec3& p : {Vec3{-0.4, 0, 1}, Vec3{0.4, 0.2, 1}, Vec3{0.4, -0.2, 1}})
-      v.push_back(fronts.AddVertex(sphere.Project(p, 0), 0.2, 1));
-    const FrontEdgeId e = fronts.AddLoop(v);
-    fronts.Connect(e, fronts.at(e).prev, TriangleKind::kClosing);
-    Refinement refinement(sphere, fronts, 0.02, 0, 0);
-    const auto made = refinement.Refine(LiveTriangles(fronts), manner, kNoLimits);
-    EXPECT_EQ(made.empty(), manner == Refinement::Manner::kWorstPlace);
-    EXPECT_EQ(FaultOf(fronts), "");
-  }
-}
-
 TEST(Refinement, MovesNoVertexOutOfTheBound) {
   const SphereSurface sphere;
   FrontSet fronts;
