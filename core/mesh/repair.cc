@@ -73,7 +73,37 @@ bool DropUnusable(TriangleMesh& mesh, ActionCounts& actions) {
   return changed | actions.Add("dropped_degenerate_faces", repeated);
 }
 
-// Of faces with the same three vertices, in whatever order, the first stays.
+// Flags of the faces that stay go with them.
+void DropFaces(TriangleMesh& mesh, const std::vector<bool>& dropped, std::vector<bool>& flags) {
+  size_t kept = 0;
+  for (size_t f = 0; f < dropped.size(); ++f) {
+    if (dropped[f]) continue;
+    flags[kept] = flags[f];
+    mesh.triangles[kept++] = mesh.triangles[f];
+  }
+  mesh.triangles.resize(kept);
+  flags.resize(kept);
+}
+
+// The faces that hang on an edge of two others by one side, and on nothing else.
+std::vector<bool> FindFlaps(const TriangleMesh& mesh) {
+  std::vector<int> free_sides(mesh.triangles.size(), 0);
+  std::vector<bool> hangs(mesh.triangles.size(), false);
+  const std::vector<uint32_t> order = HalfEdgesByEdge(mesh);
+  const auto ends = [&](uint32_t h) {
+    return std::pair<VertexId, VertexId>(std::minmax({OriginOf(mesh, h), TargetOf(mesh, h)}));
+  };
+  for (size_t i = 0, end; i < order.size(); i = end) {
+    for (end = i + 1; end < order.size() && ends(order[i]) == ends(order[end]);) ++end;
+    if (end - i == 1) ++free_sides[order[i] / 3];
+    for (size_t k = i; k < end && end - i > 2; ++k) hangs[order[k] / 3] = true;
+  }
+  for (size_t f = 0; f < hangs.size(); ++f) hangs[f] = hangs[f] && free_sides[f] == 2;
+  return hangs;
+}
+
+// Of faces with the same three vertices, in whatever order, the first stays; none where they are a flap of no thickness that hangs on an
+// edge of others.
 uint64_t DropDuplicates(TriangleMesh& mesh) {
   struct Key {
     Triangle sorted;
@@ -87,16 +117,21 @@ uint64_t DropDuplicates(TriangleMesh& mesh) {
   }
   std::sort(keys.begin(), keys.end(),
             [](const Key& a, const Key& b) { return a.sorted != b.sorted ? a.sorted < b.sorted : a.face < b.face; });
-  std::vector<bool> dropped(mesh.triangles.size(), false);
+  std::vector<bool> dropped(mesh.triangles.size(), false), is_doubled(mesh.triangles.size(), false);
   uint64_t count = 0;
   for (size_t i = 1; i < keys.size(); ++i) {
-    if (keys[i].sorted == keys[i - 1].sorted) dropped[keys[i].face] = true, ++count;
+    if (keys[i].sorted != keys[i - 1].sorted) continue;
+    dropped[keys[i].face] = true, ++count;
+    if (!dropped[keys[i - 1].face]) is_doubled[keys[i - 1].face] = true;
   }
-  size_t kept = 0;
-  for (size_t f = 0; f < dropped.size(); ++f) {
-    if (!dropped[f]) mesh.triangles[kept++] = mesh.triangles[f];
+  if (count == 0) return 0;
+  DropFaces(mesh, dropped, is_doubled);
+  std::vector<bool> flaps = FindFlaps(mesh);
+  for (size_t f = 0; f < flaps.size(); ++f) {
+    flaps[f] = flaps[f] && is_doubled[f];
+    count += flaps[f];
   }
-  mesh.triangles.resize(kept);
+  DropFaces(mesh, flaps, is_doubled);
   return count;
 }
 

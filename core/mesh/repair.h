@@ -20,7 +20,7 @@ namespace meshfront {
 //   snapped_vertices              of a soup of triangles whose corners almost meet, now at the same position
 //   dropped_degenerate_faces      a repeated index, or no area and nothing to close
 //   flipped_degenerate_faces      no area, inside the surface: its long side was turned into the triangle across
-//   dropped_duplicate_faces       the same three vertices as an earlier one
+//   dropped_duplicate_faces       the same three vertices as an earlier one; both where they only hang on an edge of others
 //   welded_vertices               gone into another at the same position, where that joins two rims
 //   split_non_manifold_edges      more than two faces met there
 //   split_non_manifold_vertices   new copies of vertices, also at split and cut edges

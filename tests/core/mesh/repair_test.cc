@@ -88,6 +88,22 @@ TEST(Repair, DropsFacesWithRepeatedIndicesAndDuplicates) {
   EXPECT_EQ(result.mesh.triangles, shapes::Torus(8, 6).triangles);
 }
 
+// Two faces back to back that hang on an edge of a torus, as decimation leaves them.
+TEST(Repair, DropsAFlapOfNoThickness) {
+  TriangleMesh mesh = shapes::Torus(8, 6);
+  const Triangle at = mesh.triangles[7];
+  const VertexId tip(mesh.positions.size());
+  mesh.positions.push_back(1.1 * mesh.PositionAt(at[0]));
+  mesh.triangles.push_back({at[0], at[1], tip});
+  mesh.triangles.push_back({at[1], at[0], tip});
+  const RepairResult result = Repaired(mesh);
+  EXPECT_EQ(CountOf(result, "dropped_duplicate_faces"), 2u);
+  EXPECT_EQ(CountOf(result, "split_non_manifold_edges"), 0u);
+  EXPECT_EQ(result.mesh.triangles, shapes::Torus(8, 6).triangles);
+  mesh.triangles.pop_back();
+  EXPECT_EQ(Repaired(mesh).mesh.triangles.size(), mesh.triangles.size()) << "a single face was meant";
+}
+
 TEST(Repair, DropsFacesWithCornersThatAreNotFiniteOrHuge) {
   TriangleMesh mesh = shapes::Grid(8);
   mesh.positions[40].x = std::numeric_limits<double>::quiet_NaN();  // the middle one, with six faces
