@@ -1,10 +1,13 @@
 // 1. the limit up to which the result is held    2. the front    3. its faults: open places, and where it meets itself
-// 4. the best attempt so far is kept             5. field and fronts again, finer or for another count; back to 2
+// 4. the best attempt so far is kept             5. field and fronts again, finer or for another count, or with faces of the
+//                                                   input cut loose around the faults; back to 2
 // Rims and creases are divided before the front starts, and no roll-back can divide them again: an edge of them that is too long for
-// what lies close by is only mended so.
+// what lies close by is only mended so. Where shorter edges don't help, the ground is rough: folds as thin as their own edges look the
+// same at any length. There the input's faces, each a patch of its own, are what the mesh is made of.
 #include "core/attempts.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -13,7 +16,9 @@
 #include "core/base/status_macros.h"
 #include "core/features/close_curves.h"
 #include "core/geometry/intersection.h"
+#include "core/geometry/triangle.h"
 #include "core/guidance/sizing.h"
+#include "core/loose_faces.h"
 #include "core/mesh/self_intersection.h"
 
 namespace meshfront {
@@ -26,14 +31,20 @@ constexpr uint64_t kMaxPerPredicted = 2, kMaxBeyondPredicted = 20000;
 // few places. As it goes; and in all, counting only what is far beyond the bound from there on.
 constexpr double kInsertionsForCount = 0.005, kMostInsertionsForCount = 0.0185;
 
-constexpr uint64_t kHeldTriangles = 1 << 18;
+constexpr uint64_t kHeldTriangles = 1 << 19;
 // Where there are rims at all, or a number up to this is wanted: not much more than what the settling window keeps before it lets go of any.
 constexpr uint64_t kHeldInAnyCase = 6000;
-constexpr int kMaxAttempts = 4;
+// Rough ground: this share of the edges turns by more than the angle of this cosine (80°).
+constexpr double kRoughShare = 0.005, kRoughCosine = 0.17;
+constexpr int kMaxAttempts = 7;
 // Where the front was taken back at place after place all over a large mesh, the ground is rough, and shorter edges make it no better:
 // roll-backs times triangles.
-constexpr double kMostWorkForAnother = 1e7;
+constexpr double kMostWorkForFiner = 1e7;
+constexpr int kFinerAttempts = 3;  // before faces are cut loose; none on rough ground
+// How far around faults faces are cut loose, in parts of g; twice as far each time.
+constexpr double kLooseReach = 3;
 constexpr double kCountPromise = 0.03;     // of the number of triangles wanted
+constexpr double kFlatRatio = 1e-12;       // radius ratio of what has no area, whatever rounding says
 constexpr size_t kMaxListedPairs = 20000;  // of an output's intersections, that are looked at
 
 Vec3 LongestAxis(const TriangleMesh& mesh) {
@@ -68,35 +79,67 @@ FrontOptions FrontOptionsOf(const Preparation& p) {
                             : InsertionLimits{}};
 }
 
-uint64_t HeldLimit(const Preparation& p, bool is_close) {
-  if (is_close) return kHeldTriangles;
+uint64_t HeldLimit(const Preparation& p, bool may_fail) {
+  if (may_fail) return kHeldTriangles;
   const uint64_t wanted = p.parameters.target_triangles;
   const uint64_t for_count = wanted <= kHeldInAnyCase ? wanted + wanted / 2 : 0;
   return p.loops.empty() ? for_count : std::max(for_count, kHeldInAnyCase);
 }
 
-// The settling window compares what it holds at a time; this compares all with all.
-absl::Status FindIntersections(const Preparation& p, const FrontOptions& options, Attempt& attempt,
-                               const Context& context) {
+// Whether so many edges turn sharply beside the creases that the front may fail somewhere. Of scans that it meshes well one edge in 300
+// does at most.
+bool IsRough(const MeshSurface& surface) {
+  const TriangleMesh& mesh = surface.mesh();
+  std::vector<Vec3> normals;
+  normals.reserve(mesh.triangles.size());
+  for (const Triangle& t : mesh.triangles)
+    normals.push_back(Normalized(AreaVector(mesh.PositionAt(t[0]), mesh.PositionAt(t[1]), mesh.PositionAt(t[2]))));
+  uint64_t sharp = 0, edges = 0;
+  for (uint32_t h = 0; h < 3 * mesh.triangles.size(); ++h) {
+    const uint32_t across = surface.adjacency().OppositeOf(h);
+    if (across == kNoHalfEdge || across < h) continue;
+    ++edges;
+    sharp += Dot(normals[h / 3], normals[across / 3]) < kRoughCosine;
+  }
+  return static_cast<double>(sharp) > kRoughShare * static_cast<double>(edges);
+}
+
+TriangleMesh MeshOf(const std::vector<HeldPiece>& pieces) {
   TriangleMesh mesh;
-  for (const HeldPiece& piece : attempt.pieces) {
+  for (const HeldPiece& piece : pieces) {
     for (const OutputVertex& v : piece.vertices) mesh.positions.push_back(v.position);
     mesh.triangles.insert(mesh.triangles.end(), piece.triangles.begin(), piece.triangles.end());
   }
+  return mesh;
+}
+
+std::array<Vec3, 3> CornersOf(const TriangleMesh& mesh, const Triangle& t) {
+  return {mesh.PositionAt(t[0]), mesh.PositionAt(t[1]), mesh.PositionAt(t[2])};
+}
+
+// The settling window compares what it holds at a time; this compares all with all.
+absl::Status FindIntersections(const TriangleMesh& mesh, const Preparation& p, double bound, Attempt& attempt,
+                               const Context& context) {
   MESHFRONT_ASSIGN_OR_RETURN(const SelfIntersections found, FindSelfIntersections(mesh, kMaxListedPairs, context));
-  const double bound =
-      std::isfinite(options.max_error) ? options.max_error : options.bound_per_length * attempt.front.longest_edge;
   attempt.intersections.clear();
   for (const auto& [f, g] : found.first_pairs) {
-    const Triangle &s = mesh.triangles[f.index()], &t = mesh.triangles[g.index()];
-    const Vec3 place = PlaceOfMeeting({mesh.PositionAt(s[0]), mesh.PositionAt(s[1]), mesh.PositionAt(s[2])},
-                                      {mesh.PositionAt(t[0]), mesh.PositionAt(t[1]), mesh.PositionAt(t[2])});
+    const auto [a, b, c] = CornersOf(mesh, mesh.triangles[f.index()]);
+    const auto [d, e, h] = CornersOf(mesh, mesh.triangles[g.index()]);
+    const Vec3 place = PlaceOfMeeting({a, b, c}, {d, e, h});
     if (!p.surface->MeetsItselfNear(place, bound, context)) attempt.intersections.push_back(place);
   }
   return context.CheckStop();
 }
 
-absl::StatusOr<Attempt> MakeAttempt(const Preparation& p, HoldingSink& held, const Context& context) {
+void FindFlatTriangles(const TriangleMesh& mesh, Attempt& attempt) {
+  for (const Triangle& t : mesh.triangles) {
+    const auto [a, b, c] = CornersOf(mesh, t);
+    if (RadiusRatio(a, b, c) < kFlatRatio) attempt.flat_triangles.push_back((a + b + c) / 3.0);
+  }
+}
+
+absl::StatusOr<Attempt> MakeAttempt(const Preparation& p, bool looks_closely, HoldingSink& held,
+                                    const Context& context) {
   const FrontOptions options = FrontOptionsOf(p);
   Attempt attempt;
   MESHFRONT_ASSIGN_OR_RETURN(attempt.front,
@@ -106,7 +149,12 @@ absl::StatusOr<Attempt> MakeAttempt(const Preparation& p, HoldingSink& held, con
   attempt.intersections = attempt.front.spread_intersections;
   if (held.is_passing()) return attempt;
   attempt.pieces = held.Take();
-  if (p.builder->HasCloseSheets()) MESHFRONT_RETURN_IF_ERROR(FindIntersections(p, options, attempt, context));
+  const TriangleMesh mesh = MeshOf(attempt.pieces);
+  const double bound =
+      std::isfinite(options.max_error) ? options.max_error : options.bound_per_length * attempt.front.longest_edge;
+  if (p.builder->HasCloseSheets() || looks_closely)
+    MESHFRONT_RETURN_IF_ERROR(FindIntersections(mesh, p, bound, attempt, context));
+  FindFlatTriangles(mesh, attempt);
   return attempt;
 }
 
@@ -117,7 +165,7 @@ double CountErrorOf(const Attempt& attempt, uint64_t wanted) {
 }
 
 bool IsBetter(const Attempt& attempt, const Attempt& best, uint64_t wanted) {
-  if (attempt.faults() != best.faults()) return attempt.faults() < best.faults();
+  if (attempt.fault_count() != best.fault_count()) return attempt.fault_count() < best.fault_count();
   return CountErrorOf(attempt, wanted) < CountErrorOf(best, wanted);
 }
 
@@ -130,25 +178,52 @@ std::optional<uint64_t> NextCount(const Preparation& p, const Attempt& attempt, 
   return static_cast<uint64_t>(std::llround(p.predicted_triangles * ratio));
 }
 
+// Edges half as long around the faults mend rims and creases that lie close to something. Not where an edge must be longer than the
+// input's: those faults stay.
+class Remedy {
+ public:
+  // Prepares the next attempt.
+  absl::Status Apply(const std::vector<Vec3>& places, bool is_rough, std::optional<uint64_t> count, Preparation& p,
+                     const Context& context) {
+    const bool is_finer = !is_rough && finer_++ < kFinerAttempts;
+    if (places.empty() || is_finer || p.parameters.options.min_edge) return PrepareAgain(places, count, p, context);
+    MESHFRONT_RETURN_IF_ERROR(CutFacesLoose(places, reach_, p, context));
+    reach_ *= 2;
+    return PrepareAgain({}, count, p, context);
+  }
+
+ private:
+  int finer_ = 0;  // attempts with shorter edges
+  double reach_ = kLooseReach;
+};
+
 }  // namespace
+
+std::vector<Vec3> Attempt::Faults() const {
+  std::vector<Vec3> places = front.open_places;
+  places.insert(places.end(), intersections.begin(), intersections.end());
+  places.insert(places.end(), flat_triangles.begin(), flat_triangles.end());
+  return places;
+}
 
 absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& p, MeshSink& sink, const Context& context) {
   MESHFRONT_ASSIGN_OR_RETURN(const bool is_close, DoCurvesLieClose(*p.surface, p.loops, context));
-  HoldingSink held(sink, HeldLimit(p, is_close));
+  const bool is_rough = IsRough(*p.surface);
+  HoldingSink held(sink, HeldLimit(p, is_close || is_rough));
   const uint64_t wanted = p.parameters.target_triangles;
   Attempt best;
+  Remedy remedy;
   for (int number = 1;; ++number) {
-    MESHFRONT_ASSIGN_OR_RETURN(Attempt attempt, MakeAttempt(p, held, context));
+    MESHFRONT_ASSIGN_OR_RETURN(Attempt attempt, MakeAttempt(p, is_rough || number > 1, held, context));
     if (held.is_passing()) return attempt;
     held.HoldAll();  // the next may be larger, and worse: at most what max_triangles allows
-    std::vector<Vec3> places = attempt.front.open_places;
-    places.insert(places.end(), attempt.intersections.begin(), attempt.intersections.end());
+    const std::vector<Vec3> places = attempt.Faults();
     const bool is_off = CountErrorOf(attempt, wanted) > kCountPromise;
     const double work = static_cast<double>(attempt.front.roll_backs) * static_cast<double>(attempt.front.triangles);
     const std::optional<uint64_t> count = NextCount(p, attempt, wanted);
     if (number == 1 || IsBetter(attempt, best, wanted)) best = std::move(attempt);
-    if ((places.empty() && !is_off) || number == kMaxAttempts || work > kMostWorkForAnother) break;
-    const absl::Status prepared = PrepareAgain(places, count, p, context);
+    if ((places.empty() && !is_off) || number == kMaxAttempts) break;
+    const absl::Status prepared = remedy.Apply(places, is_rough || work > kMostWorkForFiner, count, p, context);
     if (absl::IsInvalidArgument(prepared)) break;  // so few, or so many, can't be made
     MESHFRONT_RETURN_IF_ERROR(prepared);
   }

@@ -19,17 +19,21 @@ struct Attempt {
   double parameter = 0;  // the sizing's, as in Preparation
   std::vector<Vec3>
       intersections;  // where it meets itself though the surface does not within the error bound, one a pair
-  std::vector<HeldPiece> pieces;  // what was held of it; none afterwards
+  std::vector<Vec3> flat_triangles;  // where one has no area
+  std::vector<HeldPiece> pieces;     // what was held of it; none afterwards
 
-  size_t faults() const { return front.open_places.size() + intersections.size(); }
+  size_t fault_count() const { return front.open_places.size() + intersections.size() + flat_triangles.size(); }
+  // The places of all of them.
+  std::vector<Vec3> Faults() const;
 };
 
 // Advances the fronts of a preparation into the sink, as AdvanceFront does, with its errors. Results with creases, or with rims that
-// lie close to something (close_curves.h), are held back up to 262,144 triangles, those with other rims up to 6,000, and whole ones
-// of which up to 6,000 are wanted. While nothing went on they are made again, at most three times: with edges half as long around the
-// faults, and for as many more or fewer triangles as came too few or too many when a number was wanted (off by more than 3 %). The
-// attempt with the fewest faults goes on, of equals the one nearest to the count. Progress begins anew with each. Changes the
-// preparation.
+// lie close to something (close_curves.h), or on ground where one edge in 200 turns sharply, are held back up to 524,288 triangles, those
+// with other rims up to 6,000, and whole ones of which up to 6,000 are wanted. While nothing went on they are made again, at most six
+// times: with edges half as long around the faults, up to three times and not on such ground; then with the input's faces cut loose around
+// the faults (loose_faces.h), unless a shortest edge is asked for; and for as many more or fewer triangles as came too few or too many
+// when a number was wanted (off by more than 3 %). The attempt with the fewest faults goes on, of equals the one nearest to the count.
+// Progress begins anew with each. Changes the preparation.
 absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& preparation, MeshSink& sink, const Context& context);
 
 }  // namespace meshfront

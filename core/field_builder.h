@@ -41,6 +41,10 @@ class FieldBuilder {
  public:
   // `surface` must have its curvature, and outlives the builder.
   FieldBuilder(const MeshSurface& surface, const SizingLimits& limits);
+  // With the limits and the added samples of another one.
+  FieldBuilder(const MeshSurface& surface, const FieldBuilder& other) : FieldBuilder(surface, other.limits_) {
+    added_ = other.added_;
+  }
 
   // `parameter`: rho in (0, 2π/3], the error bound, or the median edge, > 0. Fails when the context stops it.
   absl::StatusOr<SizedField> Build(double parameter, const Context& context);

@@ -100,10 +100,13 @@ TopologyReport OutputTopology(const FrontReport& front) {
 }
 
 // Where the input meets itself, so may the output, but not far from there.
-void WarnOfIntersections(const Attempt& attempt, Report& report) {
-  if (attempt.intersections.empty()) return;
-  report.warnings.push_back(absl::StrCat(attempt.intersections.size(), " pairs of triangles meet where the input does ",
-                                         "not within the error bound"));
+void WarnOfFaults(const Attempt& attempt, Report& report) {
+  if (!attempt.intersections.empty()) {
+    report.warnings.push_back(absl::StrCat(attempt.intersections.size(), " pairs of triangles meet where the input ",
+                                           "does not within the error bound"));
+  }
+  if (!attempt.flat_triangles.empty())
+    report.warnings.push_back(absl::StrCat(attempt.flat_triangles.size(), " triangles have no area"));
 }
 
 // An empty mesh is no result. The test that refused most says why.
@@ -202,7 +205,7 @@ absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& co
   report.threads = ThreadsInForce(context);
   Scale(p, report);
   WarnOfDeviations(front, p.scale, report);
-  WarnOfIntersections(attempt, report);
+  WarnOfFaults(attempt, report);
   return report;
 } catch (const std::exception&) {
   return StatusOfException();

@@ -1,9 +1,13 @@
 // Rims and creases whose edges are too long for what lies close by, or make more triangles than predicted: they are divided before the
 // front starts, so that the whole is made again.
+#include <algorithm>
+#include <optional>
 #include <tuple>
 #include <utility>
 #include <vector>
 
+#include "core/loose_faces.h"
+#include "core/preparation.h"
 #include "core/remesh.h"
 #include "tests/support/checking_sink.h"
 #include "tests/support/matchers.h"
@@ -72,6 +76,52 @@ TEST(Attempts, AreTheSameBitsAtAnyThreadCount) {
     positions.push_back(sink.mesh.positions);
   }
   EXPECT_EQ(positions[0], positions[1]);
+}
+
+// Noise as large as the edges: folds as thin as they are wide, at which shorter edges cut the corners as well as long ones.
+class RoughGround : public ::testing::TestWithParam<std::tuple<uint64_t, double>> {};  // seed, rho
+
+TEST_P(RoughGround, ComesOutWhole) {
+  const auto [seed, rho] = GetParam();
+  Problem problem{WithNoise(UvSphere(24, 16), 0.16, seed), {}};
+  problem.options.rho = rho;
+  CheckingSink sink;
+  const absl::StatusOr<Report> report = Remesh(std::move(problem), sink, Context{});
+  ASSERT_THAT(report, IsOk());
+  sink.CheckEnd();
+  EXPECT_THAT(sink.complaints(), IsEmpty());
+  EXPECT_TRUE(report->complete);
+  EXPECT_THAT(report->warnings, IsEmpty()) << "of intersections far from the input's";
+  EXPECT_THAT(sink.mesh(), IsClosedManifold());
+  EXPECT_THAT(sink.mesh(), HasGenus(0));
+}
+
+INSTANTIATE_TEST_SUITE_P(Noise, RoughGround, Combine(Values(1u, 2u, 3u, 4u, 5u, 6u), Values(0.5, 1.0)));
+
+// Faces cut loose are their own patches, whose loops go from corner to corner where g is longer than their sides.
+TEST(LooseFaces, ArePatchesOfThreeSides) {
+  const TriangleMesh sphere = Icosphere(3);
+  const Vec3 place = sphere.PositionAt(VertexId(7));
+  Problem problem{sphere, {}};
+  problem.options.rho = 1.5;
+  absl::StatusOr<Preparation> prepared = Prepare(std::move(problem), Context{});
+  ASSERT_THAT(prepared, IsOk());
+  ASSERT_THAT(CutFacesLoose(std::vector<Vec3>{place}, 1e-3, *prepared, Context{}), IsOk());
+  ASSERT_THAT(PrepareAgain({}, std::nullopt, *prepared, Context{}), IsOk());
+  EXPECT_EQ(prepared->surface->mesh().triangles.size(), sphere.triangles.size());
+  ASSERT_EQ(prepared->surface->component_count(), 6u)
+      << "the five faces at one of the twelve first vertices, and the rest";
+  ASSERT_EQ(prepared->loops.size(), 6u);
+  size_t loose = 0;
+  for (const OrientedLoop& loop : prepared->loops) {
+    const bool is_face =
+        std::any_of(loop.points.begin(), loop.points.end(), [&](const SourcePoint& p) { return p.position == place; });
+    loose += is_face;
+    if (is_face) EXPECT_EQ(loop.points.size(), 3u);
+  }
+  EXPECT_EQ(loose, 5u);
+  ASSERT_THAT(CutFacesLoose(std::vector<Vec3>{place}, 1e-3, *prepared, Context{}), IsOk());
+  EXPECT_EQ(prepared->surface->component_count(), 6u) << "cut already";
 }
 
 // The shortest edge that was asked for is kept; what can't be mended then is reported.

@@ -1,0 +1,80 @@
+// 1. the mesh before it was cut    2. where it was cut, and the sides of the faces around the places    3. the surface again
+#include "core/loose_faces.h"
+
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/base/status_macros.h"
+#include "core/geometry/bvh.h"
+#include "core/geometry/triangle.h"
+#include "core/mesh/adjacency.h"
+
+namespace meshfront {
+namespace {
+
+// Copies of a vertex are numbered behind all originals.
+TriangleMesh MeshBeforeTheCut(const MeshSurface& surface) {
+  const TriangleMesh& cut = surface.mesh();
+  TriangleMesh mesh;
+  for (size_t v = 0; v < cut.positions.size() && surface.OriginalOf(VertexId(v)) == v; ++v)
+    mesh.positions.push_back(cut.positions[v]);
+  mesh.triangles.reserve(cut.triangles.size());
+  for (const Triangle& t : cut.triangles) {
+    Triangle whole;
+    for (int i = 0; i < 3; ++i) whole[i] = VertexId(surface.OriginalOf(t[i]));
+    mesh.triangles.push_back(whole);
+  }
+  return mesh;
+}
+
+std::vector<bool> CutsOf(const MeshSurface& surface) {
+  std::vector<bool> cuts(3 * surface.mesh().triangles.size());
+  for (uint32_t h = 0; h < cuts.size(); ++h) cuts[h] = surface.AcrossCrease(h) != kNoHalfEdge;
+  return cuts;
+}
+
+template <class Visit>
+void VisitFacesWithin(const TriangleBvh& tree, const TriangleMesh& mesh, const Vec3& place, double radius,
+                      Visit visit) {
+  const Vec3 reach{radius, radius, radius};
+  Box3 box;
+  box.Extend(place - reach);
+  box.Extend(place + reach);
+  tree.VisitOverlaps(box, [&](FaceId f) {
+    const Triangle& t = mesh.triangles[f.index()];
+    const Vec3 nearest =
+        ClosestPointOnTriangle(place, mesh.PositionAt(t[0]), mesh.PositionAt(t[1]), mesh.PositionAt(t[2])).position;
+    if (Distance(nearest, place) <= radius) visit(f.index());
+    return true;
+  });
+}
+
+}  // namespace
+
+absl::Status CutFacesLoose(absl::Span<const Vec3> places, double reach, Preparation& p, const Context& context) {
+  TriangleMesh mesh = MeshBeforeTheCut(*p.surface);
+  std::optional<FaceAdjacency> adjacency = FindOrientedAdjacency(mesh);
+  if (!adjacency) return absl::InternalError("a surface's mesh is no oriented manifold; please report this mesh");
+  std::vector<bool> cuts = CutsOf(*p.surface);
+  const TriangleBvh tree(mesh.positions, mesh.triangles);
+  for (const Vec3& place : places) {
+    MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
+    VisitFacesWithin(tree, mesh, place, reach * p.field->At(place), [&](uint32_t f) {
+      for (uint32_t h = 3 * f; h < 3 * f + 3; ++h) {
+        const uint32_t across = adjacency->OppositeOf(h);
+        if (across != kNoHalfEdge) cuts[h] = cuts[across] = true;
+      }
+    });
+  }
+  MESHFRONT_ASSIGN_OR_RETURN(auto surface, MeshSurface::Create(std::move(mesh), *std::move(adjacency), cuts, context));
+  MESHFRONT_RETURN_IF_ERROR(surface->ComputeCurvature(context));
+  auto builder = std::make_unique<FieldBuilder>(*surface, *p.builder);
+  p.surface = std::move(surface);
+  p.builder = std::move(builder);
+  p.seeds = p.surface->Seeds();
+  return absl::OkStatus();
+}
+
+}  // namespace meshfront
