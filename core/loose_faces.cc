@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/status_macros.h"
+#include "core/features/seams.h"
 #include "core/geometry/bvh.h"
 #include "core/geometry/triangle.h"
 #include "core/mesh/adjacency.h"
@@ -68,6 +69,7 @@ absl::Status CutFacesLoose(absl::Span<const Vec3> places, double reach, Preparat
       }
     });
   }
+  MarkSeams(mesh, *adjacency, cuts);
   MESHFRONT_ASSIGN_OR_RETURN(auto surface, MeshSurface::Create(std::move(mesh), *std::move(adjacency), cuts, context));
   MESHFRONT_RETURN_IF_ERROR(surface->ComputeCurvature(context));
   auto builder = std::make_unique<FieldBuilder>(*surface, *p.builder);

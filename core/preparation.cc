@@ -17,6 +17,7 @@
 #include "core/base/status_macros.h"
 #include "core/features/boundary.h"
 #include "core/features/creases.h"
+#include "core/features/seams.h"
 #include "core/field_builder.h"
 #include "core/guidance/sizing.h"
 #include "core/mesh/repair_slivers.h"
@@ -110,8 +111,9 @@ absl::StatusOr<std::unique_ptr<MeshSurface>> MakeSurface(TriangleMesh mesh, std:
   if (!adjacency) return absl::InvalidArgumentError("the mesh is not an oriented manifold; repair it first");
   const double reach = SliverReach(options, p.input.diagonal * p.scale, p.scale);
   const size_t repairs = p.input.repairs.size();
-  MESHFRONT_ASSIGN_OR_RETURN(const std::vector<bool> creases,
+  MESHFRONT_ASSIGN_OR_RETURN(std::vector<bool> creases,
                              MendAndFindCreases(mesh, *adjacency, options, reach, p.input.repairs, context));
+  if (!p.input.repairs.empty()) MarkSeams(mesh, *adjacency, creases);
   if (p.input.repairs.size() > repairs) p.input.topology = MeasureTopology(mesh, *adjacency);
   return MeshSurface::Create(std::move(mesh), *std::move(adjacency), creases, context);
 }

@@ -4,6 +4,7 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -49,6 +50,7 @@ class LoopBuilder {
   absl::StatusOr<std::vector<OrientedLoop>> Build(const GuidanceField& field, const Context& context) {
     for (const Rim& rim : rims_) runs_.push_back(RunsOf(rim));
     FindLeastPoints();
+    FindTwins();
     points_.resize(graph_.curves().size());
     places_.resize(graph_.curves().size());
     for (size_t c = 0; c < graph_.curves().size(); ++c) {
@@ -68,6 +70,11 @@ class LoopBuilder {
     uint32_t curve = 0;
     bool forward = true;
   };
+  // An earlier curve through the same places.
+  struct Twin {
+    uint32_t curve = kNoHalfEdge;  // none
+    bool forward = true;           // it runs the same way
+  };
   // A point on its way into a loop, in the direction of the rim.
   struct Passed {
     SourcePoint place;
@@ -77,7 +84,9 @@ class LoopBuilder {
 
   std::vector<Run> RunsOf(const Rim& rim) const;
   void FindLeastPoints();
+  void FindTwins();
   absl::Status Divide(size_t curve, const GuidanceField& field, const Context& context);
+  void DivideLike(size_t curve, const Twin& twin);
   absl::Status SplitTwins(const GuidanceField& field, const Context& context);
   void NumberJoints();
   Passed PassPoint(const Run& run, size_t i) const;
@@ -89,6 +98,8 @@ class LoopBuilder {
   const FeatureGraph graph_;
   std::vector<std::vector<Run>> runs_;           // of each rim
   std::vector<size_t> least_;                    // points of each curve
+  std::vector<Twin> twins_;                      // of each curve
+  std::vector<bool> has_place_;                  // of each curve: what others divide alike
   std::vector<std::vector<CurvePoint>> points_;  // of each curve
   std::vector<std::vector<Vec3>> places_;        // of these points
   std::vector<uint32_t> first_joint_;            // of each curve; its points' joints follow each other
@@ -129,7 +140,50 @@ void LoopBuilder::FindLeastPoints() {
   }
 }
 
+// Open curves through the same places, in either direction: sheets touch there, and both are to have the same vertices.
+void LoopBuilder::FindTwins() {
+  const auto& curves = graph_.curves();
+  twins_.resize(curves.size());
+  has_place_.resize(curves.size());
+  const auto less = [](const Vec3& a, const Vec3& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); };
+  const auto less_path = [&](const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end(), less);
+  };
+  std::map<std::vector<Vec3>, std::pair<uint32_t, bool>, decltype(less_path)> first(less_path);
+  for (uint32_t i = 0; i < curves.size(); ++i) {
+    if (curves[i].closed) continue;
+    std::vector<Vec3> path;
+    for (const uint32_t v : curves[i].vertices) path.push_back(surface_.mesh().positions[v]);
+    std::vector<Vec3> back(path.rbegin(), path.rend());
+    const bool turned = less_path(back, path);
+    const auto [at, is_first] = first.try_emplace(turned ? std::move(back) : std::move(path), i, turned);
+    if (is_first) continue;
+    const auto [other, other_turned] = at->second;
+    twins_[i] = {other, turned == other_turned};
+    has_place_[i] = has_place_[other] = true;
+    least_[other] = std::max(least_[other], least_[i]);
+  }
+}
+
+void LoopBuilder::DivideLike(size_t curve, const Twin& twin) {
+  points_[curve] = points_[twin.curve];
+  places_[curve] = places_[twin.curve];
+  if (twin.forward) return;
+  const auto segments = static_cast<uint32_t>(graph_.curves()[curve].forward.size());
+  for (CurvePoint& p : points_[curve])
+    p = p.t > 0 ? CurvePoint{segments - 1 - p.segment, 1 - p.t} : CurvePoint{segments - p.segment, 0};
+  // The first is the end now, which is none of the points; the start takes its place.
+  std::reverse(points_[curve].begin() + 1, points_[curve].end());
+  std::reverse(places_[curve].begin() + 1, places_[curve].end());
+  points_[curve][0] = {0, 0};
+  places_[curve][0] = surface_.mesh().positions[graph_.curves()[curve].start()];
+}
+
 absl::Status LoopBuilder::Divide(size_t curve, const GuidanceField& field, const Context& context) {
+  if (twins_[curve].curve != kNoHalfEdge && points_[twins_[curve].curve].size() >= least_[curve]) {
+    DivideLike(curve, twins_[curve]);
+    return absl::OkStatus();
+  }
   const Curve polyline = graph_.CurveOf(graph_.curves()[curve]);
   const CurveLimits limits{least_[curve], max_sagitta_, field.options().min_length};
   MESHFRONT_ASSIGN_OR_RETURN(points_[curve],
@@ -198,6 +252,8 @@ LoopBuilder::Passed LoopBuilder::PassPoint(const Run& run, size_t i) const {
   } else if (first_joint != kNoJoint) {
     passed.joint = first_joint + static_cast<uint32_t>(at);
     passed.place.position = places_[run.curve][at];  // in every bit as seen from the other side
+  } else if (has_place_[run.curve]) {
+    passed.place.position = places_[run.curve][at];  // … and from the sheet that it touches
   }
   return passed;
 }

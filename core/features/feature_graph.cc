@@ -3,12 +3,21 @@
 #include "core/features/feature_graph.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
+#include "absl/container/flat_hash_map.h"
+
 namespace meshfront {
+namespace {
+
+constexpr uint8_t kNodeByPlace = 255;  // instead of the degree 2
+
+}  // namespace
 
 FeatureGraph::FeatureGraph(const MeshSurface& surface) : surface_(surface) {
   CollectEdges();
+  MakeNodesAlike();
   place_.assign(names_.size(), {kNoHalfEdge, 0, true});
   for (const bool from_nodes : {true, false}) {
     for (uint32_t i = 0; i < names_.size(); ++i) {
@@ -41,6 +50,21 @@ void FeatureGraph::CollectEdges() {
   for (uint32_t i = 0; i < names_.size(); ++i) {
     at_[counts[OriginOfEdge(names_[i])]++] = i;
     at_[counts[TargetOfEdge(names_[i])]++] = i;
+  }
+}
+
+// Where curves touch, each is divided at the nodes of the other, too.
+void FeatureGraph::MakeNodesAlike() {
+  absl::flat_hash_map<std::array<double, 3>, bool> is_node_at;
+  const auto key = [&](uint32_t v) -> std::array<double, 3> {
+    const Vec3& p = surface_.mesh().positions[v];
+    return {p.x + 0.0, p.y + 0.0, p.z + 0.0};
+  };
+  for (uint32_t v = 0; v < degrees_.size(); ++v) {
+    if (degrees_[v] > 0) is_node_at[key(v)] |= degrees_[v] != 2;
+  }
+  for (uint32_t v = 0; v < degrees_.size(); ++v) {
+    if (degrees_[v] == 2 && is_node_at.at(key(v))) degrees_[v] = kNodeByPlace;
   }
 }
 

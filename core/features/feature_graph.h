@@ -27,7 +27,7 @@ struct CurveSegment {
   bool forward = true;
 };
 
-// Nodes are the vertices at which other than two feature edges meet. Curves are in the order of their smallest half-edge, open ones
+// Nodes are the vertices at which other than two feature edges meet, and those at the same places. Curves are in the order of their smallest half-edge, open ones
 // first; a closed one starts there. O(faces).
 class FeatureGraph {
  public:
@@ -45,6 +45,7 @@ class FeatureGraph {
   uint32_t OriginOfEdge(uint32_t half_edge) const;
   uint32_t TargetOfEdge(uint32_t half_edge) const;
   void CollectEdges();
+  void MakeNodesAlike();
   void Trace(uint32_t name, uint32_t from);
   uint32_t NextEdge(uint32_t vertex, uint32_t name) const;
 

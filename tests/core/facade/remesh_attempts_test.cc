@@ -1,6 +1,8 @@
 // Rims and creases whose edges are too long for what lies close by, or make more triangles than predicted: they are divided before the
 // front starts, so that the whole is made again.
 #include <algorithm>
+#include <cmath>
+#include <map>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -122,6 +124,32 @@ TEST(LooseFaces, ArePatchesOfThreeSides) {
   EXPECT_EQ(loose, 5u);
   ASSERT_THAT(CutFacesLoose(std::vector<Vec3>{place}, 1e-3, *prepared, Context{}), IsOk());
   EXPECT_EQ(prepared->surface->component_count(), 6u) << "cut already";
+}
+
+// Two tents, the one on its ridge upon the other's, bent less than a crease: four faces at each edge of the ridge, which repair parts.
+TEST(Seams, HaveTheSameVerticesOnBothSheets) {
+  const auto tent = [](double slope) {
+    return HeightField(12, [=](double x, double y) { return slope * std::abs(y) + 0.3 * x * x; });
+  };
+  const TriangleMesh lower = tent(-0.1), upper = Reversed(tent(0.1));
+  TriangleMesh mesh = lower;
+  std::vector<VertexId> names;
+  for (const Vec3& p : upper.positions) {
+    const auto same = std::find(lower.positions.begin(), lower.positions.end(), p);
+    names.emplace_back(same == lower.positions.end() ? mesh.positions.size() : same - lower.positions.begin());
+    if (same == lower.positions.end()) mesh.positions.push_back(p);
+  }
+  for (const Triangle& t : upper.triangles)
+    mesh.triangles.push_back({names[t[0].index()], names[t[1].index()], names[t[2].index()]});
+  CollectingSink sink;
+  const absl::StatusOr<Report> report = Remesh(Problem{std::move(mesh), {}}, sink, Context{});
+  ASSERT_THAT(report, IsOk());
+  ASSERT_FALSE(report->input.repairs.empty()) << "the ridge was one";
+  std::map<std::tuple<double, double, double>, int> times;
+  for (const Vec3& p : sink.mesh.positions) ++times[{p.x, p.y, p.z}];
+  const auto touching = std::count_if(times.begin(), times.end(), [](const auto& t) { return t.second == 2; });
+  EXPECT_GE(touching, 3) << "along the ridge";
+  EXPECT_THAT(sink.mesh, HasNoSelfIntersection());
 }
 
 // The shortest edge that was asked for is kept; what can't be mended then is reported.
