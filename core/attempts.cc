@@ -36,10 +36,13 @@ constexpr uint64_t kHeldTriangles = 1 << 19;
 constexpr uint64_t kHeldInAnyCase = 6000;
 // Rough ground: this share of the edges turns by more than the angle of this cosine (80°).
 constexpr double kRoughShare = 0.005, kRoughCosine = 0.17;
-constexpr int kMaxAttempts = 7;
+constexpr int kMaxAttempts = 7, kMaxForCount = 4;
 // Where the front was taken back at place after place all over a large mesh, the ground is rough, and shorter edges make it no better:
 // roll-backs times triangles.
 constexpr double kMostWorkForFiner = 1e7;
+// Faults beyond which the ground is no place to be mended but a heap of faces, each attempt takes longer than the one before, and none
+// is better (2CylinderEngine: 2,880 faults, then minutes).
+constexpr size_t kMostFaults = 1000;
 constexpr int kFinerAttempts = 3;  // before faces are cut loose; none on rough ground
 // How far around faults faces are cut loose, in parts of g; twice as far each time.
 constexpr double kLooseReach = 3;
@@ -222,7 +225,8 @@ absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& p, MeshSink& sink, const 
     const double work = static_cast<double>(attempt.front.roll_backs) * static_cast<double>(attempt.front.triangles);
     const std::optional<uint64_t> count = NextCount(p, attempt, wanted);
     if (number == 1 || IsBetter(attempt, best, wanted)) best = std::move(attempt);
-    if ((places.empty() && !is_off) || number == kMaxAttempts) break;
+    if (places.empty() && (!is_off || number >= kMaxForCount)) break;
+    if (number == kMaxAttempts || places.size() > kMostFaults) break;
     const absl::Status prepared = remedy.Apply(places, is_rough || work > kMostWorkForFiner, count, p, context);
     if (absl::IsInvalidArgument(prepared)) break;  // so few, or so many, can't be made
     MESHFRONT_RETURN_IF_ERROR(prepared);

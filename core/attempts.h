@@ -29,11 +29,11 @@ struct Attempt {
 
 // Advances the fronts of a preparation into the sink, as AdvanceFront does, with its errors. Results with creases, or with rims that
 // lie close to something (close_curves.h), or on ground where one edge in 200 turns sharply, are held back up to 524,288 triangles, those
-// with other rims up to 6,000, and whole ones of which up to 6,000 are wanted. While nothing went on they are made again, at most six
-// times: with edges half as long around the faults, up to three times and not on such ground; then with the input's faces cut loose around
-// the faults (loose_faces.h), unless a shortest edge is asked for; and for as many more or fewer triangles as came too few or too many
-// when a number was wanted (off by more than 3 %). The attempt with the fewest faults goes on, of equals the one nearest to the count.
-// Progress begins anew with each. Changes the preparation.
+// with other rims up to 6,000, and whole ones of which up to 6,000 are wanted. While nothing went on and there are at most 1,000 faults
+// they are made again, at most six times: with edges half as long around the faults, up to three times and not on such ground; then with
+// the input's faces cut loose around the faults (loose_faces.h), unless a shortest edge is asked for; and up to three times for as many
+// more or fewer triangles as came too few or too many when a number was wanted (off by more than 3 %). The attempt with the fewest faults
+// goes on, of equals the one nearest to the count. Progress begins anew with each. Changes the preparation.
 absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& preparation, MeshSink& sink, const Context& context);
 
 }  // namespace meshfront
