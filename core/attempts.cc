@@ -28,8 +28,8 @@ namespace {
 constexpr uint64_t kMaxPerPredicted = 2, kMaxBeyondPredicted = 20000;
 
 // Vertices for each triangle that may be added where the error is largest when a number of triangles is wanted: the maximum is made by
-// few places. As it goes; and in all, counting only what is far beyond the bound from there on.
-constexpr double kInsertionsForCount = 0.005, kMostInsertionsForCount = 0.0185;
+// few places.
+constexpr double kInsertionsForCount = 0.0185;
 
 constexpr uint64_t kHeldTriangles = 1 << 19;
 // Where there are rims at all, or a number up to this is wanted: not much more than what the settling window keeps before it lets go of any.
@@ -77,9 +77,8 @@ FrontOptions FrontOptionsOf(const Preparation& p) {
           .max_triangles = kMaxPerPredicted * predicted + kMaxBeyondPredicted,
           .sweep = LongestAxis(p.surface->mesh()),
           .max_error = o.sizing == Sizing::kError ? p.parameter : std::numeric_limits<double>::infinity(),
-          .insertions = p.parameters.target_triangles > 0
-                            ? InsertionLimits{kInsertionsForCount, kMostInsertionsForCount * p.predicted_triangles}
-                            : InsertionLimits{}};
+          .max_insertions = p.parameters.target_triangles > 0 ? kInsertionsForCount * p.predicted_triangles
+                                                              : std::numeric_limits<double>::infinity()};
 }
 
 uint64_t HeldLimit(const Preparation& p, bool may_fail) {

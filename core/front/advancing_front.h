@@ -9,7 +9,6 @@
 
 #include "absl/status/statusor.h"
 #include "core/base/context.h"
-#include "core/front/insertion_limits.h"
 #include "core/guidance/guidance_field.h"
 #include "core/mesh/mesh_sink.h"
 #include "core/mesh/quality.h"
@@ -33,9 +32,10 @@ struct FrontOptions {
   Vec3 sweep{
       1, 0,
       0};  // the direction in which the working areas follow each other; best the one in which the surface is longest
-  // Absolute: triangles that are farther from the surface are refined before they settle, the worst first, as far as the limits allow.
+  // Absolute: triangles that are farther from the surface are refined before they settle, the worst first; and how many vertices may be
+  // added for it, where finite only to those far beyond it.
   double max_error = std::numeric_limits<double>::infinity();
-  InsertionLimits insertions;
+  double max_insertions = std::numeric_limits<double>::infinity();
 };
 
 struct FrontReport {

@@ -16,7 +16,6 @@ namespace {
 
 constexpr double kDetailPerBound = 1.25;  // how far the surface's corners may be from the output
 constexpr double kMaxDetail = 1.0;        // of the triangle's longest side
-constexpr double kMuchBeyond = 1.9;       // of the bound: what makes the maximum
 constexpr double kFarBeyond = 1.5;        // of the bound: one halved side would not do
 constexpr double kShortestPerGuidance =
     0.0625;  // no shorter edges than this part of what the field asks for: bounds a place
@@ -113,7 +112,7 @@ double Refinement::DistanceToOutput(const Vec3& place, const Corners& corners) c
 }
 
 std::vector<WindowVertexId> Refinement::Refine(const std::vector<WindowTriangleId>& triangles, Manner manner,
-                                               const Limits& limits) {
+                                               size_t limit) {
   made_.clear();
   touched_.assign(fronts_.triangle_slots(), 0);
   std::vector<WindowTriangleId> beyond;
@@ -129,8 +128,7 @@ std::vector<WindowVertexId> Refinement::Refine(const std::vector<WindowTriangleI
     least_ratio_ = kMinRadiusRatio;
     if (deviation.is_kept || TryLift(t, deviation) || TryTurn(t)) continue;
     least_ratio_ = LeastRatioFor(t, manner);
-    if (made_.size() < (deviation.largest > kMuchBeyond * max_error_ ? limits.far : limits.usual))
-      RefineAt(t, deviation, manner);
+    if (made_.size() < limit) RefineAt(t, deviation, manner);
   }
   return made_;
 }

@@ -32,14 +32,9 @@ class Refinement {
   Deviation Measure(WindowTriangleId t);
   // Writes down of a triangle that is beyond the bound what it is certainly within, about to a twentieth.
   void Enclose(WindowTriangleId t);
-  // How many vertices a call may add, about: where triangles are beyond the bound, and where they are far beyond it.
-  struct Limits {
-    size_t usual, far;
-  };
   // Measures the triangles and mends those that don't keep the bound, the worst first and once each: by moving their corners towards
-  // the surface, by turning a side, or by new vertices, whichever does it first. Returns the new vertices.
-  std::vector<WindowVertexId> Refine(const std::vector<WindowTriangleId>& triangles, Manner manner,
-                                     const Limits& limits);
+  // the surface, by turning a side, or by new vertices, about `limit` at most, whichever does it first. Returns the new vertices.
+  std::vector<WindowVertexId> Refine(const std::vector<WindowTriangleId>& triangles, Manner manner, size_t limit);
   // Moves the vertices to where the triangles around them are rounder, as far as these stay within the bound.
   void RoundOff(const std::vector<WindowVertexId>& vertices);
   // Moves a vertex, if no triangle around it leaves the bound by that.

@@ -35,7 +35,12 @@ constexpr double kMaxFitPerLength = 0.15;  // the fit moves a vertex by at most 
 constexpr double kFitPerErrorBound = 0.9;  // … and at most this part of the error bound of the triangles around it
 constexpr double kFitMayLoseQuality = 0.97;
 constexpr int kMovedRounds = 8, kPlainRounds = 4,
-              kLastRounds = 4;       // of the refinement; each reaches every triangle once
+              kLastRounds = 4;  // of the refinement; each reaches every triangle once
+// Of max_error, where only what is far beyond it is refined. At 1 the maximum is the same and triangles are less round, since a few
+// places make it; at 1.9 it is larger.
+constexpr double kFarBeyondMaxError = 1.6;
+// What a triangle may deviate at most, in parts of the largest place that was measured before it was given up.
+constexpr double kMostPerMeasured = 1.5;
 constexpr int kRefinementRings = 2;  // around new vertices, that move with them
 constexpr size_t kMaxRing = 24;      // vertices around one that is removed
 constexpr double kSliver = 0.25;     // radius ratio below which a triangle is worth another try of the front
@@ -513,14 +518,14 @@ void SettlingWindow::RoundOff(const std::vector<WindowTriangleId>& triangles) {
   refinement_.RoundOff(MadeUnique(std::move(corners)));
 }
 
+double SettlingWindow::RefinedBeyond(const SettlingOptions& options) {
+  return std::isfinite(options.max_insertions) ? kFarBeyondMaxError * options.max_error : options.max_error;
+}
+
 // How many vertices the refinement may still add.
-Refinement::Limits SettlingWindow::InsertionsLeft() const {
-  const auto left = [&](double allowed) {
-    constexpr double kAny = 1e9;
-    return static_cast<size_t>(std::clamp(allowed - static_cast<double>(counts_.insertions), 0.0, kAny));
-  };
-  const auto made = static_cast<double>(counts_.triangles + fronts_.triangle_count());
-  return {left(options_.insertions.per_triangle * made), left(options_.insertions.in_all)};
+size_t SettlingWindow::InsertionsLeft() const {
+  constexpr double kAny = 1e9;
+  return static_cast<size_t>(std::clamp(options_.max_insertions - static_cast<double>(counts_.insertions), 0.0, kAny));
 }
 
 // Refines until every triangle keeps the bound: first by halved sides, each time moved to good places; what these moves can't keep
@@ -551,7 +556,12 @@ void SettlingWindow::KeepMaxError(const Context& context) {
 }
 
 // Where a count is wanted the bound is what comes of it.
-bool SettlingWindow::IsBeyondMended() const { return !std::isfinite(options_.insertions.per_triangle); }
+bool SettlingWindow::IsBeyondMended() const { return !std::isfinite(options_.max_insertions); }
+
+// Whether to look closer at what a triangle was measured to deviate. Where a count is wanted only the largest is told of.
+bool SettlingWindow::MayBeLargest(double deviation) const {
+  return IsBeyondMended() || kMostPerMeasured * deviation > counts_.largest_deviation;
+}
 
 bool SettlingWindow::IsBeyond(WindowTriangleId id) {
   if (fronts_.at(id).alive && fronts_.at(id).deviation < 0) refinement_.Measure(id);
@@ -677,7 +687,7 @@ absl::Status SettlingWindow::Emit(bool everything) {
     kinds.push_back(t.kind);
     if (std::isfinite(options_.max_error)) {
       if (t.deviation < 0) refinement_.Measure(id);
-      if (t.deviation > options_.max_error) refinement_.Enclose(id);
+      if (t.deviation > options_.max_error && MayBeLargest(t.deviation)) refinement_.Enclose(id);
       if (t.deviation > counts_.largest_deviation)
         counts_.largest_deviation = t.deviation, counts_.farthest_place = (place[0] + place[1] + place[2]) / 3.0;
       counts_.beyond_max_error += t.deviation > options_.max_error;

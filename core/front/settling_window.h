@@ -11,7 +11,6 @@
 #include "core/front/audit.h"
 #include "core/front/closure.h"
 #include "core/front/front_set.h"
-#include "core/front/insertion_limits.h"
 #include "core/front/refinement.h"
 #include "core/mesh/mesh_sink.h"
 #include "core/mesh/quality.h"
@@ -23,8 +22,9 @@ struct SettlingOptions {
   double error_per_length = 1;  // of the longest edge of each triangle: the fit moves no vertex farther than that
   // … nor farther than that, absolute; triangles that are farther from the surface are refined, …
   double max_error = std::numeric_limits<double>::infinity();
-  double min_edge = 0;         // … unless their edges become shorter than that, …
-  InsertionLimits insertions;  // … or more vertices than so many, the worst first
+  double min_edge = 0;  // … unless their edges become shorter than that, …
+  // … or more vertices than so many, the worst first. Where that is finite only those far beyond max_error are: they make the maximum.
+  double max_insertions = std::numeric_limits<double>::infinity();
 };
 
 // Totals over everything that has left the window.
@@ -54,7 +54,7 @@ class SettlingWindow {
         fronts_(fronts),
         options_(options),
         sink_(sink),
-        refinement_(surface, fronts, options.max_error, options.min_edge, kMoveDepth) {}
+        refinement_(surface, fronts, RefinedBeyond(options), options.min_edge, kMoveDepth) {}
 
   // Improves what has come to lie kMoveDepth rings or more behind the fronts since the last time, and audits what is to leave.
   // Returns both triangles of each pair that intersects, so that the front can take them back; none of their vertices is frozen.
@@ -117,11 +117,13 @@ class SettlingWindow {
   VertexId NameOf(const WindowVertex& v, std::vector<OutputVertex>& vertices);
   void KeepMaxError(const Context& context);
   std::vector<WindowTriangleId> ReachedTriangles() const;
-  Refinement::Limits InsertionsLeft() const;
+  static double RefinedBeyond(const SettlingOptions& options);
+  size_t InsertionsLeft() const;
   void RoundOff(const std::vector<WindowTriangleId>& triangles);
   void ChooseNear(const std::vector<WindowVertexId>& made);
   void FindSlivers();
   void FindBeyond();
+  bool MayBeLargest(double deviation) const;
   bool IsBeyond(WindowTriangleId t);
   bool IsBeyondMended() const;
 
