@@ -71,7 +71,7 @@ FrontOptions FrontOptionsOf(const Preparation& p) {
   return {.flips = o.flips,
           .smooth = o.smooth,
           .fit = o.fit,
-          .error_per_length = o.sizing == Sizing::kAngle ? ErrorPerLength(o.rho) : 1,
+          .error_per_length = o.sizing == Sizing::kAngle || o.sizing == Sizing::kThickness ? ErrorPerLength(o.rho) : 1,
           .bound_per_length = BoundPerLength(p),
           .predicted_triangles = predicted,
           .max_triangles = kMaxPerPredicted * predicted + kMaxBeyondPredicted,

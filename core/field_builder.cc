@@ -27,6 +27,8 @@ namespace {
 
 // Twice the fence height stays below the distance to the other sheet: h = 2ε, so ε is at most a quarter of it.
 constexpr double kErrorPerSheetDistance = 0.25;
+// How far another sheet matters where the thickness itself is what sizes edges.
+constexpr double kLongestThicknessPerDiagonal = 0.5;
 // … but an edge needs to be no shorter for it than this part of the input's: those keep the sheets apart as well, or they meet.
 constexpr double kLeastPerInputEdge = 0.5;
 // On a strip g is at most so many of its widths: triangles between two rows of points that far apart have 2r/R of 0.6 and more. At 1.7
@@ -35,8 +37,8 @@ constexpr double kEdgePerWidth = 2.25;
 // … where that is at least this part of what else is wanted there. Narrower strips matter the less the narrower they are: edges as short
 // as their widths would be thousands, and somewhat longer ones make needles anyway.
 constexpr double kLeastForWidth = 1.0 / 16;
-// No edge is sized by a strip narrower than this part of its component's diagonal: it is not seen, but would be the finest place of
-// the mesh.
+// No edge is sized by a strip narrower than this part of its component's diagonal, nor by a wall thinner than this part of the whole:
+// it is not seen, but would be the finest place of the mesh, as where a wedge ends.
 constexpr double kNarrowestWidth = 2e-3;
 constexpr double kCountTolerance = 0.004;  // an eighth of what is promised of the real count
 constexpr double kReachable = 0.01;        // farther from the count than this, at the end of the range, it is refused
@@ -61,6 +63,7 @@ constexpr double kGradedPart = 0.75;
 double LargestParameter(const SizingLimits& limits) {
   switch (limits.sizing) {
     case Sizing::kAngle:
+    case Sizing::kThickness:
       return 2 * std::numbers::pi / 3;
     case Sizing::kError:
       return limits.max_edge;  // far beyond what an edge of that length can be off
@@ -113,7 +116,10 @@ absl::Status Unreachable(uint64_t count, double nearest) {
 }  // namespace
 
 FieldBuilder::FieldBuilder(const MeshSurface& surface, const SizingLimits& limits)
-    : surface_(surface), limits_(limits), longest_(surface.mesh().positions.size(), kInfinity) {
+    : surface_(surface),
+      limits_(limits),
+      diagonal_(BoundingBox(surface.mesh(), surface.adjacency()).Diagonal()),
+      longest_(surface.mesh().positions.size(), kInfinity) {
   if (limits.max_edge_given || limits.sizing == Sizing::kUniform) return;
   const absl::Span<const double> diagonals = surface.whole_diagonals();
   for (uint32_t f = 0; f < surface.mesh().triangles.size(); ++f) {
@@ -133,6 +139,7 @@ double FieldBuilder::LongestGuidance() const {
 double FieldBuilder::WantedLengthAt(double max_curvature) const {
   switch (limits_.sizing) {
     case Sizing::kAngle:
+    case Sizing::kThickness:  // before the thickness
       return IdealLength(parameter_, max_curvature);
     case Sizing::kError:
       return LengthForError(parameter_, max_curvature);
@@ -145,9 +152,17 @@ double FieldBuilder::WantedLengthAt(double max_curvature) const {
 // … with detail that is smaller than what the count leaves room for taken for as large as that.
 double FieldBuilder::LengthAt(double max_curvature) const { return std::max(WantedLengthAt(max_curvature), detail_); }
 
+// Where half the distance to the other sheet is the local feature size: the same angle on a circle of that radius.
+double FieldBuilder::LengthForThickness(double sheet_distance) const {
+  const double distance = std::max(sheet_distance, kNarrowestWidth * diagonal_);
+  return std::max(IdealLength(parameter_, 2 / distance), limits_.min_edge);
+}
+
 // What the other sheet allows: a quarter of the distance to it as the error.
 double FieldBuilder::LengthForSheet(const CurvatureSample& place) const {
   if (!std::isfinite(place.sheet_distance)) return kInfinity;
+  if (limits_.sizing == Sizing::kThickness) return LengthForThickness(place.sheet_distance);
+  if (!place.is_vertex()) return kInfinity;
   const double curvature = detail_ > 0 ? std::min(place.max_curvature, std::sqrt(3.0) / detail_) : place.max_curvature;
   const double length = LengthForError(kErrorPerSheetDistance * place.sheet_distance, curvature);
   return std::max(length, kLeastPerInputEdge * place.input_edge);
@@ -186,14 +201,26 @@ double FieldBuilder::CountFactor() const {
   return kErrorCountFactor + kRefinedPerLeftOut * std::min(left_out_, kMostLeftOut);
 }
 
+// How far from a vertex the other sheet matters, in parts of the length that its curvature asks for.
+double FieldBuilder::SheetReachPerLength() const {
+  if (limits_.sizing != Sizing::kThickness) return kSheetReachPerLength;
+  return 1 / std::sin(0.5 * parameter_);  // where half the distance is the radius of curvature
+}
+double FieldBuilder::LongestSheetReach() const {
+  const double per_diagonal =
+      limits_.sizing == Sizing::kThickness ? kLongestThicknessPerDiagonal : kLongestSheetReachPerDiagonal;
+  return per_diagonal * diagonal_;
+}
+
 absl::Status FieldBuilder::MeasureThickness(const Context& context) {
   if (parameter_ <= measured_ && detail_ <= measured_detail_) return absl::OkStatus();
   const double wanted = parameter_, wanted_detail = detail_;
   parameter_ = std::min(headroom_ * wanted, LargestParameter(limits_));
   detail_ *= headroom_;
-  std::vector<double> lengths;
-  for (const double curvature : curvatures_) lengths.push_back(IdealLengthAt(curvature));
-  auto distances = surface_.SheetDistances(lengths, context);
+  std::vector<double> limits;
+  const double per_length = SheetReachPerLength(), longest = LongestSheetReach();
+  for (const double curvature : curvatures_) limits.push_back(std::min(per_length * IdealLengthAt(curvature), longest));
+  auto distances = surface_.SheetDistances(limits, context);
   measured_ = std::exchange(parameter_, wanted);
   measured_detail_ = std::exchange(detail_, wanted_detail);
   MESHFRONT_ASSIGN_OR_RETURN(sheet_distances_, std::move(distances));
@@ -241,6 +268,8 @@ absl::StatusOr<std::vector<SizingSample>> FieldBuilder::Samples(uint64_t& clampe
   const auto ideal_length = [&](double max_curvature) { return IdealLengthAt(max_curvature); };
   std::vector<double> lengths;
   for (const double curvature : curvatures_) lengths.push_back(IdealLengthAt(curvature));
+  for (size_t v = 0; v < sheet_distances_.size() && limits_.sizing == Sizing::kThickness; ++v)
+    lengths[v] = std::min(lengths[v], LengthForThickness(sheet_distances_[v]));
   MESHFRONT_ASSIGN_OR_RETURN(const std::vector<CurvatureSample> places,
                              surface_.CurvatureSamples(curvatures_, lengths, sheet_distances_, context));
   const bool uniform = limits_.sizing == Sizing::kUniform;
@@ -291,6 +320,11 @@ absl::StatusOr<SizedField> FieldBuilder::Build(double parameter, const Context& 
 
 // Without thickness where it was not measured yet, and with the count that a part of the surface tells.
 absl::StatusOr<SizedField> FieldBuilder::Sketch(double parameter, const Context& context) {
+  if (limits_.sizing == Sizing::kThickness) {
+    parameter_ = parameter;
+    MESHFRONT_RETURN_IF_ERROR(SetCurvatures(context));
+    MESHFRONT_RETURN_IF_ERROR(MeasureThickness(context));
+  }
   MESHFRONT_ASSIGN_OR_RETURN(SizedField sized, BuildField(parameter, context));
   MESHFRONT_ASSIGN_OR_RETURN(const double part, CountOnProbe(sized.field, context));
   sized.predicted_triangles = CountFactor() * part / probe_->part_of_area + CountBesideWidths(sized.field);
@@ -333,6 +367,7 @@ double FieldBuilder::FirstGuess(double count) const {
   double guess = 0;
   switch (limits_.sizing) {
     case Sizing::kAngle:  // l = 2 sin(ρ/2) / κ
+    case Sizing::kThickness:
       guess = 2 * std::asin(std::min(1.0, 0.5 * std::sqrt(per_area * eta2 * bent_twice)));
       break;
     case Sizing::kError:  // l² = 6ε / κ for small ε
@@ -396,7 +431,7 @@ absl::StatusOr<double> FieldBuilder::ProbeCount(const SizedField& sized, double 
 
 // The curvature whose ideal length this is at a parameter.
 double FieldBuilder::CurvatureOf(double length, double parameter) const {
-  if (limits_.sizing == Sizing::kAngle) return IdealLength(parameter, length);  // l κ is the same either way
+  if (limits_.sizing != Sizing::kError) return IdealLength(parameter, length);  // l κ is the same either way
   return std::min(6 * parameter / (length * length + 3 * parameter * parameter), std::sqrt(3.0) / length);
 }
 

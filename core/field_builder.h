@@ -67,9 +67,12 @@ class FieldBuilder {
   double LongestGuidance() const;
   double WantedLengthAt(double max_curvature) const;
   double LengthAt(double max_curvature) const;
+  double LengthForThickness(double sheet_distance) const;
   double LengthForSheet(const CurvatureSample& place) const;
   double IdealLengthAt(double max_curvature) const;
   absl::Status SetCurvatures(const Context& context);
+  double SheetReachPerLength() const;
+  double LongestSheetReach() const;
   absl::Status MeasureThickness(const Context& context);
   absl::Status MeasureWidths(const Context& context);
   double LengthForWidth(const WidthSample& place) const;
@@ -104,6 +107,7 @@ class FieldBuilder {
 
   const MeshSurface& surface_;
   const SizingLimits limits_;
+  const double diagonal_;
   std::vector<double> longest_;                       // ideal length of each vertex, by its component's size
   double parameter_ = 0;                              // in force
   double detail_ = 0;                                 // in force

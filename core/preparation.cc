@@ -144,6 +144,7 @@ double ParameterOf(const RemeshOptions& options, const Preparation& p) {
     case Sizing::kUniform:
       return Resolve(options.edge_length, diagonal, p.scale, 0);
     case Sizing::kAngle:
+    case Sizing::kThickness:
       break;
   }
   return options.rho;
@@ -151,7 +152,7 @@ double ParameterOf(const RemeshOptions& options, const Preparation& p) {
 
 // Says in the options in force what the parameter is, in the input's scale.
 void SetParameter(double parameter, const Preparation& p, RemeshOptions& options) {
-  if (options.sizing == Sizing::kAngle) options.rho = parameter;
+  if (options.sizing == Sizing::kAngle || options.sizing == Sizing::kThickness) options.rho = parameter;
   if (options.sizing == Sizing::kError) options.max_error = Length{parameter / p.scale, false};
   if (options.sizing == Sizing::kUniform) options.edge_length = Length{parameter / p.scale, false};
 }
@@ -195,6 +196,7 @@ double ErrorBoundInForce(const Preparation& p, double length, double max_curvatu
     case Sizing::kUniform:
       return ErrorBound(length, max_curvature);
     case Sizing::kAngle:
+    case Sizing::kThickness:
       break;
   }
   return length * ErrorPerLength(p.parameters.options.rho);

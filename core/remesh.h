@@ -16,7 +16,10 @@
 
 namespace meshfront {
 
-enum class Sizing { kAngle, kError, kUniform };
+// What an edge follows: the curvature, by the angle that it subtends (rho) or by its distance from the surface (max_error); nothing
+// (edge_length); or the local feature size (rho): the angle on a circle through the other side of the part or gap, where that is nearer
+// than the centre of curvature is (sec. 6).
+enum class Sizing { kAngle, kError, kUniform, kThickness };
 
 // A length, absolute (in the units of the input) or relative to the diagonal of its bounding box.
 struct Length {
@@ -26,7 +29,7 @@ struct Length {
 
 // What a caller may choose. Defaults are those of the contract; unset optionals are derived from the input.
 struct RemeshOptions {
-  double rho = 0.8;  // angle an edge subtends, radians, (0, 2π/3]
+  double rho = 0.8;  // angle an edge subtends, radians, (0, 2π/3]; with Sizing::kAngle and Sizing::kThickness
   double eta = 1.2;  // bound on the ratio of incident edges, (1, 2)
   Sizing sizing = Sizing::kAngle;
   // Distance of the output from the surface, verified for every triangle before it settles; only with Sizing::kError; 0.1 % of the

@@ -93,7 +93,8 @@ absl::StatusOr<v1::Sizing> ParseSizing(const MeshingFlags& flags) {
   if (*flags.sizing == "angle") return v1::SIZING_ANGLE;
   if (*flags.sizing == "error") return v1::SIZING_ERROR;
   if (*flags.sizing == "uniform") return v1::SIZING_UNIFORM;
-  return WrongValue("--sizing", *flags.sizing, "angle, error or uniform");
+  if (*flags.sizing == "thickness") return v1::SIZING_THICKNESS;
+  return WrongValue("--sizing", *flags.sizing, "angle, error, uniform or thickness");
 }
 
 // Values alone, also of flags that do nothing yet: a mistake is told before an absence.
@@ -136,7 +137,7 @@ absl::Status CheckSizingFlags(const MeshingFlags& flags, v1::Sizing sizing) {
     first = name;
   }
   const std::string given = absl::StrCat("--sizing ", flags.sizing.value_or("angle"));
-  if (flags.rho && sizing != v1::SIZING_ANGLE) return Contradiction("--rho", given);
+  if (flags.rho && sizing != v1::SIZING_ANGLE && sizing != v1::SIZING_THICKNESS) return Contradiction("--rho", given);
   if (flags.max_error && sizing != v1::SIZING_ERROR) return Contradiction("--max-error", given);
   if (flags.edge_length && sizing != v1::SIZING_UNIFORM) return Contradiction("--edge-length", given);
   if (sizing == v1::SIZING_UNIFORM && !flags.edge_length && !flags.target_triangles) {

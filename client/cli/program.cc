@@ -28,7 +28,7 @@ struct CommandLine {
 void AddMeshingFlags(CLI::App* command, MeshingFlags* flags) {
   command->add_option("--rho", flags->rho, "angle an edge subtends on the osculating circle, radians, (0, 2π/3] [0.8]");
   command->add_option("--eta", flags->eta, "bound on the ratio of incident edges, (1, 2) [1.2]");
-  command->add_option("--sizing", flags->sizing, "what is held constant: angle, error or uniform [angle]");
+  command->add_option("--sizing", flags->sizing, "what is held constant: angle, error, uniform or thickness [angle]");
   command->add_option("--max-error", flags->max_error,
                       "distance to the surface held constant, absolute or % of the diagonal; --sizing error [0.1%]");
   command->add_option("--edge-length", flags->edge_length,

@@ -28,6 +28,8 @@ const char* SizingName(v1::Sizing sizing) {
       return "error";
     case v1::SIZING_UNIFORM:
       return "uniform";
+    case v1::SIZING_THICKNESS:
+      return "thickness";
     default:
       return "angle";
   }

@@ -14,9 +14,6 @@ namespace {
 
 constexpr int kMaxPerEdge = 8;
 constexpr size_t kCheckEvery = 4096;
-// How far another sheet matters: a fence is at most about this part of an edge high (4ξ at rho = 1, see the design).
-constexpr double kThicknessOfLength = 0.75;
-constexpr double kThicknessOfDiagonal = 0.1;
 
 // Samples lie at most this many ideal lengths apart. Halfway between two of them g has risen by 1.5 (η − 1) of what it is at
 // both. At 1 the samples of a fine remesh outnumber the vertices (igea at rho 0.05: 100 MB) and say nothing that the input does not.
@@ -34,10 +31,11 @@ int Pieces(double length, double ideal_length) {
 class Densifier {
  public:
   Densifier(const TriangleMesh& mesh, absl::Span<const double> curvatures, absl::Span<const double> ideal_lengths,
-            std::vector<CurvatureSample>& samples)
+            absl::Span<const double> sheet_distances, std::vector<CurvatureSample>& samples)
       : mesh_(mesh),
         curvatures_(curvatures),
         ideal_lengths_(ideal_lengths),
+        sheet_distances_(sheet_distances),
         samples_(samples),
         limit_(5 * mesh.positions.size() + 200000) {}
 
@@ -62,12 +60,19 @@ class Densifier {
     const double w = 1 - u - v;
     const uint32_t a = t[0].index(), b = t[1].index(), c = t[2].index();
     samples_.push_back({w * mesh_.positions[a] + u * mesh_.positions[b] + v * mesh_.positions[c],
-                        w * curvatures_[a] + u * curvatures_[b] + v * curvatures_[c], INFINITY, 0});
+                        w * curvatures_[a] + u * curvatures_[b] + v * curvatures_[c], SheetDistance(t, u, v), 0});
+  }
+  double SheetDistance(const Triangle& t, double u, double v) const {
+    if (sheet_distances_.empty()) return INFINITY;
+    const double a = sheet_distances_[t[0].index()], b = sheet_distances_[t[1].index()],
+                 c = sheet_distances_[t[2].index()];
+    return std::isfinite(a) && std::isfinite(b) && std::isfinite(c) ? (1 - u - v) * a + u * b + v * c : INFINITY;
   }
 
   const TriangleMesh& mesh_;
   absl::Span<const double> curvatures_;
   absl::Span<const double> ideal_lengths_;
+  absl::Span<const double> sheet_distances_;
   std::vector<CurvatureSample>& samples_;
   size_t limit_;
 };
@@ -94,21 +99,22 @@ absl::Status MeshSurface::ComputeCurvature(const Context& context) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::vector<double>> MeshSurface::SheetDistances(absl::Span<const double> ideal_lengths,
+absl::StatusOr<std::vector<double>> MeshSurface::SheetDistances(absl::Span<const double> limits,
                                                                 const Context& context) const {
-  const double longest = kThicknessOfDiagonal * BoundingBox(mesh_, adjacency_).Diagonal();
-  std::vector<double> limits(ideal_lengths.begin(), ideal_lengths.end());
-  for (double& limit : limits) limit = std::min(kThicknessOfLength * limit, longest);
   return MeasureSheetDistances(mesh_, adjacency_, normals_, limits, context, {whole_opposite_, originals_});
 }
 
 absl::StatusOr<std::vector<CurvatureSample>> MeshSurface::CurvatureSamples(
     absl::FunctionRef<double(double max_curvature)> ideal_length, bool with_thickness, const Context& context) const {
   if (!has_curvature_) return absl::FailedPreconditionError("the curvature must be computed before it is sampled");
-  std::vector<double> ideal_lengths, distances;
-  for (const double curvature : curvatures_) ideal_lengths.push_back(ideal_length(curvature));
+  std::vector<double> ideal_lengths, limits, distances;
+  const double longest = kLongestSheetReachPerDiagonal * BoundingBox(mesh_, adjacency_).Diagonal();
+  for (const double curvature : curvatures_) {
+    ideal_lengths.push_back(ideal_length(curvature));
+    limits.push_back(std::min(kSheetReachPerLength * ideal_lengths.back(), longest));
+  }
   if (with_thickness) {
-    MESHFRONT_ASSIGN_OR_RETURN(distances, SheetDistances(ideal_lengths, context));
+    MESHFRONT_ASSIGN_OR_RETURN(distances, SheetDistances(limits, context));
   }
   return CurvatureSamples(curvatures_, ideal_lengths, distances, context);
 }
@@ -125,7 +131,7 @@ absl::StatusOr<std::vector<CurvatureSample>> MeshSurface::CurvatureSamples(absl:
     const double edge = std::isfinite(distance) ? MeanEdgeAt(mesh_, adjacency_, static_cast<uint32_t>(v)) : 0;
     samples.push_back({mesh_.positions[v], curvatures[v], distance, edge});
   }
-  Densifier densifier(mesh_, curvatures, ideal_lengths, samples);
+  Densifier densifier(mesh_, curvatures, ideal_lengths, sheet_distances, samples);
   for (uint32_t f = 0; f < mesh_.triangles.size(); ++f) {
     if (f % kCheckEvery == 0) MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
     const Triangle& t = mesh_.triangles[f];

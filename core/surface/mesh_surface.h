@@ -28,8 +28,14 @@ struct CurvatureSample {
   double max_curvature = 0;  // 1/length, ≥ 0
   double sheet_distance =
       0;                  // to the nearest other sheet (sheet_distance.h) within the search limit; +infinity when none
-  double input_edge = 0;  // mean length of the input's edges there, where there is another sheet
+  double input_edge = 0;  // at a vertex: mean length of the input's edges there, where there is another sheet
+
+  // Whether the distance was measured there; between vertices it is interpolated.
+  bool is_vertex() const { return input_edge > 0; }
 };
+
+// How far another sheet matters: a fence is at most about this part of an edge high (4ξ at rho = 1, see the design).
+inline constexpr double kSheetReachPerLength = 0.75, kLongestSheetReachPerDiagonal = 0.1;
 
 // What happens within this part of a component's diagonal is taken to happen over that length: steps and doubled rows of vertices
 // that nobody sees would otherwise ask for edges as short as they are.
@@ -96,9 +102,8 @@ class MeshSurface final : public Surface {
   absl::StatusOr<std::vector<CurvatureSample>> CurvatureSamples(
       absl::FunctionRef<double(double max_curvature)> ideal_length, bool with_thickness, const Context& context) const;
   // The two parts of it, for callers that sample more than once or with other curvatures of the vertices: the distances of every
-  // vertex, of which `ideal_lengths` are the longest edges; and the samples with these (empty: none was measured).
-  absl::StatusOr<std::vector<double>> SheetDistances(absl::Span<const double> ideal_lengths,
-                                                     const Context& context) const;
+  // vertex, looked for within its limit; and the samples with these (empty: none was measured).
+  absl::StatusOr<std::vector<double>> SheetDistances(absl::Span<const double> limits, const Context& context) const;
   absl::StatusOr<std::vector<CurvatureSample>> CurvatureSamples(absl::Span<const double> curvatures,
                                                                 absl::Span<const double> ideal_lengths,
                                                                 absl::Span<const double> sheet_distances,

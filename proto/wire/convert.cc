@@ -73,7 +73,8 @@ absl::Status CheckSizing(const v1::RemeshOptions& o) {
     v1::Sizing sizing;
   };
   const v1::Sizing sizing = SizingOf(o);
-  const Parameter parameters[] = {{"rho", o.has_rho(), v1::SIZING_ANGLE},
+  const v1::Sizing by_rho = sizing == v1::SIZING_THICKNESS ? v1::SIZING_THICKNESS : v1::SIZING_ANGLE;
+  const Parameter parameters[] = {{"rho", o.has_rho(), by_rho},
                                   {"max_error", o.has_max_error(), v1::SIZING_ERROR},
                                   {"edge_length", o.has_edge_length(), v1::SIZING_UNIFORM},
                                   {"target_triangles", o.has_target_triangles(), sizing}};
@@ -103,6 +104,8 @@ Sizing SizingFromProto(v1::Sizing sizing) {
       return Sizing::kError;
     case v1::SIZING_UNIFORM:
       return Sizing::kUniform;
+    case v1::SIZING_THICKNESS:
+      return Sizing::kThickness;
     default:
       return Sizing::kAngle;
   }
@@ -114,6 +117,8 @@ v1::Sizing SizingToProto(Sizing sizing) {
       return v1::SIZING_ERROR;
     case Sizing::kUniform:
       return v1::SIZING_UNIFORM;
+    case Sizing::kThickness:
+      return v1::SIZING_THICKNESS;
     case Sizing::kAngle:
       break;
   }
@@ -180,7 +185,8 @@ absl::StatusOr<RemeshOptions> OptionsFromProto(const v1::RemeshOptions& proto) {
 
 v1::RemeshOptions OptionsToProto(const RemeshOptions& o) {
   v1::RemeshOptions proto;
-  if (o.sizing == Sizing::kAngle && !o.target_triangles) proto.set_rho(o.rho);
+  const bool by_rho = o.sizing == Sizing::kAngle || o.sizing == Sizing::kThickness;
+  if (by_rho && !o.target_triangles) proto.set_rho(o.rho);
   proto.set_eta(o.eta);
   proto.set_sizing(SizingToProto(o.sizing));
   if (o.max_error) *proto.mutable_max_error() = LengthToProto(*o.max_error);

@@ -88,6 +88,13 @@ TEST(MeshingFlags, NameTheFlagTheValueAndTheRule) {
   }
 }
 
+TEST(MeshingFlags, TakeAnAngleForTheThicknessToo) {
+  const absl::StatusOr<v1::RemeshOptions> options = ParseMeshingFlags({.rho = "0.5", .sizing = "thickness"});
+  ASSERT_THAT(options, IsOk());
+  EXPECT_EQ(options->sizing(), v1::SIZING_THICKNESS);
+  EXPECT_EQ(options->rho(), 0.5);
+}
+
 TEST(MeshingFlags, RefuseContradictions) {
   EXPECT_THAT(Parse({.rho = "0.5", .edge_length = "1"}), StatusIs(kInvalid, "--rho and --edge-length contradict"));
   EXPECT_THAT(Parse({.rho = "0.5", .max_error = "1%"}), StatusIs(kInvalid, "contradict"));
@@ -97,6 +104,7 @@ TEST(MeshingFlags, RefuseContradictions) {
   EXPECT_THAT(Parse({.max_error = "1", .edge_length = "1"}), StatusIs(kInvalid, "contradict"));
   EXPECT_THAT(Parse({.rho = "0.5", .sizing = "uniform"}), StatusIs(kInvalid, "--rho and --sizing uniform"));
   EXPECT_THAT(Parse({.rho = "0.5", .sizing = "error"}), StatusIs(kInvalid, "--rho and --sizing error"));
+  EXPECT_THAT(Parse({.max_error = "1%", .sizing = "thickness"}), StatusIs(kInvalid, "--max-error and --sizing thick"));
   EXPECT_THAT(Parse({.max_error = "1%", .sizing = "angle"}), StatusIs(kInvalid, "--max-error and --sizing angle"));
   EXPECT_THAT(Parse({.sizing = "error", .edge_length = "1"}), StatusIs(kInvalid, "--edge-length and --sizing error"));
   EXPECT_THAT(Parse({.sizing = "angle", .edge_length = "1"}), StatusIs(kInvalid, "--edge-length and --sizing angle"));

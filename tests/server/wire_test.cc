@@ -129,6 +129,21 @@ TEST(OptionsFromProto, TakesTheSizingThatTheParameterImplies) {
   EXPECT_EQ(OptionsFromProto(proto)->sizing, Sizing::kUniform);
 }
 
+TEST(OptionsFromProto, TakesAnAngleForTheThicknessToo) {
+  v1::RemeshOptions proto;
+  proto.set_sizing(v1::SIZING_THICKNESS);
+  proto.set_rho(0.4);
+  const absl::StatusOr<RemeshOptions> options = OptionsFromProto(proto);
+  ASSERT_TRUE(options.ok()) << options.status();
+  EXPECT_EQ(options->sizing, Sizing::kThickness);
+  EXPECT_EQ(options->rho, 0.4);
+  EXPECT_EQ(OptionsToProto(*options).sizing(), v1::SIZING_THICKNESS);
+  EXPECT_EQ(OptionsToProto(*options).rho(), 0.4);
+  proto.clear_rho();
+  proto.mutable_max_error()->set_diagonal_fraction(0.002);
+  EXPECT_FALSE(OptionsFromProto(proto).ok());
+}
+
 TEST(OptionsFromProto, ReadsBackASizingByErrorAndATarget) {
   RemeshOptions options;
   options.sizing = Sizing::kError;

@@ -119,7 +119,9 @@ TEST(LooseFaces, ArePatchesOfThreeSides) {
     const bool is_face =
         std::any_of(loop.points.begin(), loop.points.end(), [&](const SourcePoint& p) { return p.position == place; });
     loose += is_face;
-    if (is_face) EXPECT_EQ(loop.points.size(), 3u);
+    if (is_face) {
+      EXPECT_EQ(loop.points.size(), 3u);
+    }
   }
   EXPECT_EQ(loose, 5u);
   ASSERT_THAT(CutFacesLoose(std::vector<Vec3>{place}, 1e-3, *prepared, Context{}), IsOk());

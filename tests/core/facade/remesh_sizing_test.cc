@@ -106,6 +106,35 @@ INSTANTIATE_TEST_SUITE_P(Shapes, EveryCount,
                                   std::to_string(std::lround(10 * std::get<2>(info.param)));
                          });
 
+// A plate of two flat sides, whose curvature asks for nothing.
+TEST(SizingByThickness, MakesEdgesOfAPlateAsShortAsItIsThin) {
+  for (const double thickness : {0.1, 0.2}) {
+    const TriangleMesh plate = testing::Extruded(testing::Sheet(10), thickness);
+    RemeshOptions options;
+    const double by_angle = MedianEdge(RemeshOrFail(plate, options).mesh);
+    options.sizing = Sizing::kThickness;
+    const double by_thickness = MedianEdge(RemeshOrFail(plate, options).mesh);
+    const double g = 2 * std::sin(0.5 * options.rho) * 0.5 * thickness / options.eta;
+    EXPECT_NEAR(by_thickness / g, 1, 0.25) << thickness;
+    EXPECT_GT(by_angle, 1.5 * by_thickness) << thickness;
+  }
+}
+
+TEST(SizingByThickness, IsByAngleWhereAPartIsAsThickAsItIsRound) {
+  RemeshOptions options;
+  const TriangleMesh sphere = testing::Icosphere(4);
+  const auto by_angle = static_cast<double>(RemeshOrFail(sphere, options).report.output.triangles);
+  options.sizing = Sizing::kThickness;
+  const auto by_thickness = static_cast<double>(RemeshOrFail(sphere, options).report.output.triangles);
+  EXPECT_NEAR(by_thickness / by_angle, 1, 0.05);
+}
+
+TEST(SizingByThickness, SolvesForACount) {
+  const Outcome out = RemeshOrFail(testing::Extruded(testing::Sheet(10), 0.1), Counting(Sizing::kThickness, 5000));
+  EXPECT_NEAR(static_cast<double>(out.report.output.triangles) / 5000, 1, 0.03);
+  EXPECT_GT(out.report.parameters.options.rho, 0.1);
+}
+
 TEST(TargetTriangles, SayInTheReportWhatWasSolvedFor) {
   const TriangleMesh input = Torus(1, 0.4, 120, 48);
   const auto options = [&](Sizing sizing) {

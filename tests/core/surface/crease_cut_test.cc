@@ -270,8 +270,9 @@ TEST(MeetsItselfNear, IsNotSaidOfFansThatWereParted) {
 
 // The distances that the samples at the vertices carry, with the same ideal length everywhere.
 std::vector<double> SheetDistances(const MeshSurface& surface, double length) {
-  const std::vector<double> lengths(surface.mesh().positions.size(), length);
-  auto distances = surface.SheetDistances(lengths, Context{});
+  const double longest = kLongestSheetReachPerDiagonal * BoundingBox(surface.mesh()).Diagonal();
+  const std::vector<double> limits(surface.mesh().positions.size(), std::min(kSheetReachPerLength * length, longest));
+  auto distances = surface.SheetDistances(limits, Context{});
   EXPECT_THAT(distances, IsOk());
   return *std::move(distances);
 }
