@@ -129,6 +129,15 @@ TEST(SizingByThickness, IsByAngleWhereAPartIsAsThickAsItIsRound) {
   EXPECT_NEAR(by_thickness / by_angle, 1, 0.05);
 }
 
+// Towards its edge a lens is as thin as you like.
+TEST(SizingByThickness, StaysBoundedWhereAPartEndsInNothing) {
+  Problem problem{testing::Lens(0.02), {}};
+  problem.options.sizing = Sizing::kThickness;
+  const absl::StatusOr<Estimate> estimate = EstimateRemesh(std::move(problem), {});
+  ASSERT_THAT(estimate, IsOk());
+  EXPECT_LT(estimate->predicted_triangles, 1500000u);
+}
+
 TEST(SizingByThickness, SolvesForACount) {
   const Outcome out = RemeshOrFail(testing::Extruded(testing::Sheet(10), 0.1), Counting(Sizing::kThickness, 5000));
   EXPECT_NEAR(static_cast<double>(out.report.output.triangles) / 5000, 1, 0.03);
@@ -144,6 +153,14 @@ TEST(TargetTriangles, SayInTheReportWhatWasSolvedFor) {
   EXPECT_LT(options(Sizing::kAngle).rho, 0.8);
   EXPECT_GT(options(Sizing::kError).max_error->value, 0);
   EXPECT_GT(options(Sizing::kUniform).edge_length->value, 0);
+}
+
+// Peaks narrower than the edges pull no triangles away from the rest: the error that the number comes out with stays small.
+TEST(TargetTriangles, AreNotSpentOnPeaksNarrowerThanTheEdges) {
+  TriangleMesh rough = testing::Icosphere(5);
+  for (size_t v = 0; v < rough.positions.size(); v += 150) rough.positions[v] = 1.05 * rough.positions[v];
+  const Outcome out = RemeshOrFail(rough, Counting(Sizing::kError, 1500));
+  EXPECT_LT(out.report.parameters.options.max_error->value, 0.0125);  // 0.0144 where each peak has its own curvature
 }
 
 TEST(TargetTriangles, AreMetAgainByTheParameterThatWasSolvedFor) {
