@@ -8,29 +8,11 @@
 #include "core/surface/curvature_fit.h"
 #include "core/surface/mesh_surface.h"
 #include "core/surface/vertex_normals.h"
+#include "tests/benchmarks/wavy_torus.h"
 
 namespace meshfront {
 namespace {
 
-TriangleMesh WavyTorus(uint32_t around, uint32_t along) {
-  TriangleMesh mesh;
-  std::mt19937 random(1);
-  std::uniform_real_distribution<double> jitter(-0.3, 0.3);
-  for (uint32_t i = 0; i < around * along; ++i) {
-    const double a = 2 * M_PI * (i / along + jitter(random)) / around,
-                 b = 2 * M_PI * (i % along + jitter(random)) / along;
-    const double tube = 0.4 + 0.03 * std::sin(9 * a) * std::cos(4 * b), ring = 1 + tube * std::cos(b);
-    mesh.positions.push_back({ring * std::cos(a), ring * std::sin(a), tube * std::sin(b)});
-  }
-  const auto at = [&](uint32_t i, uint32_t j) { return VertexId((i % around) * along + j % along); };
-  for (uint32_t i = 0; i < around; ++i) {
-    for (uint32_t j = 0; j < along; ++j) {
-      mesh.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
-      mesh.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
-    }
-  }
-  return mesh;
-}
 const TriangleMesh& Mesh() {
   static const auto* mesh = new TriangleMesh(WavyTorus(320, 125));
   return *mesh;
