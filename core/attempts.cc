@@ -10,6 +10,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -46,6 +48,12 @@ constexpr size_t kMostFaults = 1000;
 constexpr int kFinerAttempts = 3;  // before faces are cut loose; none on rough ground
 // How far around faults faces are cut loose, in parts of g; twice as far each time.
 constexpr double kLooseReach = 3;
+// Where creases are not to be kept but no front passes over them, those that turn by more than this are: degrees, the default.
+constexpr double kCreaseAngleOfNeed = 40;
+// Such fronts lie in layers over sharp edges, each slower than the one before: triangles beyond half as many as predicted.
+constexpr uint64_t kMaxBeyondWithoutCreases = 500;
+// Where the field is steep, fronts of very different steps meet; a gentler one keeps a larger eta as well. The default.
+constexpr double kGentleEta = 1.2;
 constexpr double kCountPromise = 0.03;     // of the number of triangles wanted
 constexpr double kFlatRatio = 1e-12;       // radius ratio of what has no area, whatever rounding says
 constexpr size_t kMaxListedPairs = 20000;  // of an output's intersections, that are looked at
@@ -65,16 +73,19 @@ double BoundPerLength(const Preparation& p) {
   return ErrorBoundInForce(p, length, peak) / length;
 }
 
-FrontOptions FrontOptionsOf(const Preparation& p) {
+// `passes_sharp_edges`: there are some, and no creases.
+FrontOptions FrontOptionsOf(const Preparation& p, bool passes_sharp_edges) {
   const RemeshOptions& o = p.parameters.options;
   const auto predicted = static_cast<uint64_t>(std::min(p.predicted_triangles, 1e18));
+  const uint64_t most = passes_sharp_edges ? predicted + predicted / 2 + kMaxBeyondWithoutCreases
+                                           : kMaxPerPredicted * predicted + kMaxBeyondPredicted;
   return {.flips = o.flips,
           .smooth = o.smooth,
           .fit = o.fit,
           .error_per_length = o.sizing == Sizing::kAngle || o.sizing == Sizing::kThickness ? ErrorPerLength(o.rho) : 1,
           .bound_per_length = BoundPerLength(p),
           .predicted_triangles = predicted,
-          .max_triangles = kMaxPerPredicted * predicted + kMaxBeyondPredicted,
+          .max_triangles = most,
           .sweep = LongestAxis(p.surface->mesh()),
           .max_error = o.sizing == Sizing::kError ? p.parameter : std::numeric_limits<double>::infinity(),
           .max_insertions = p.parameters.target_triangles > 0 ? kInsertionsForCount * p.predicted_triangles
@@ -119,6 +130,13 @@ std::array<Vec3, 3> CornersOf(const TriangleMesh& mesh, const Triangle& t) {
   return {mesh.PositionAt(t[0]), mesh.PositionAt(t[1]), mesh.PositionAt(t[2])};
 }
 
+bool HasOtherTopology(const FrontReport& front, const TopologyReport& input) {
+  if (!front.open_places.empty() || front.pinched_vertices > 0) return false;  // it can't be told
+  const TopologyReport output = TopologyOf(front);
+  return output.components != input.components || output.boundary_loops != input.boundary_loops ||
+         (input.genus && output.genus != input.genus);
+}
+
 // The settling window compares what it holds at a time; this compares all with all.
 absl::Status FindIntersections(const TriangleMesh& mesh, const Preparation& p, double bound, Attempt& attempt,
                                const Context& context) {
@@ -140,15 +158,16 @@ void FindFlatTriangles(const TriangleMesh& mesh, Attempt& attempt) {
   }
 }
 
-absl::StatusOr<Attempt> MakeAttempt(const Preparation& p, bool looks_closely, HoldingSink& held,
-                                    const Context& context) {
-  const FrontOptions options = FrontOptionsOf(p);
+absl::StatusOr<Attempt> MakeAttempt(const Preparation& p, bool looks_closely, bool passes_sharp_edges,
+                                    HoldingSink& held, const Context& context) {
+  const FrontOptions options = FrontOptionsOf(p, passes_sharp_edges);
   Attempt attempt;
   MESHFRONT_ASSIGN_OR_RETURN(attempt.front,
                              AdvanceFront(*p.surface, *p.field, p.loops, p.seeds, options, held, context));
   attempt.parameters = p.parameters;
   attempt.parameter = p.parameter;
   attempt.intersections = attempt.front.spread_intersections;
+  attempt.has_other_topology = HasOtherTopology(attempt.front, p.input.topology);
   if (held.is_passing()) return attempt;
   attempt.pieces = held.Take();
   const TriangleMesh mesh = MeshOf(attempt.pieces);
@@ -180,6 +199,11 @@ std::optional<uint64_t> NextCount(const Preparation& p, const Attempt& attempt, 
   return static_cast<uint64_t>(std::llround(p.predicted_triangles * ratio));
 }
 
+void GradeGently(Preparation& p) {
+  p.parameters.options.eta = kGentleEta;
+  p.builder = std::make_unique<FieldBuilder>(*p.surface, *p.builder, kGentleEta);
+}
+
 // Edges half as long around the faults mend rims and creases that lie close to something. Not where an edge must be longer than the
 // input's: those faults stay.
 class Remedy {
@@ -208,24 +232,60 @@ std::vector<Vec3> Attempt::Faults() const {
   return places;
 }
 
+TopologyReport TopologyOf(const FrontReport& front) {
+  TopologyReport t;
+  t.vertices = front.vertices;
+  t.triangles = front.triangles;
+  t.components = front.components;
+  t.boundary_edges = front.boundary_edges;
+  t.boundary_loops = front.boundary_loops;
+  t.closed = front.triangles > 0 && front.boundary_edges == 0;
+  t.oriented = true;  // the front set's invariant, as is that no edge has more than two triangles
+  t.manifold = front.pinched_vertices == 0;
+  const auto n = [](uint64_t x) { return static_cast<int64_t>(x); };
+  t.euler_characteristic = n(t.vertices) - (3 * n(t.triangles) + n(t.boundary_edges)) / 2 + n(t.triangles);
+  const int64_t twice = 2 * n(t.components) - t.euler_characteristic - n(t.boundary_loops);
+  if (front.open_places.empty()) t.genus = twice / 2;
+  return t;
+}
+
 absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& p, MeshSink& sink, const Context& context) {
   MESHFRONT_ASSIGN_OR_RETURN(const bool is_close, DoCurvesLieClose(*p.surface, p.loops, context));
   const bool is_rough = IsRough(*p.surface);
+  bool may_keep_creases = !p.parameters.options.crease_angle, keeps_creases = false;
   HoldingSink held(sink, HeldLimit(p, is_close || is_rough));
   const uint64_t wanted = p.parameters.target_triangles;
   Attempt best;
   Remedy remedy;
   for (int number = 1;; ++number) {
-    MESHFRONT_ASSIGN_OR_RETURN(Attempt attempt, MakeAttempt(p, is_rough || number > 1, held, context));
+    MESHFRONT_ASSIGN_OR_RETURN(Attempt attempt,
+                               MakeAttempt(p, is_rough || number > 1, is_rough && may_keep_creases, held, context));
+    attempt.keeps_creases = keeps_creases;
     if (held.is_passing()) return attempt;
     held.HoldAll();  // the next may be larger, and worse: at most what max_triangles allows
     const std::vector<Vec3> places = attempt.Faults();
+    const bool is_faulty = attempt.fault_count() > 0;
     const bool is_off = CountErrorOf(attempt, wanted) > kCountPromise;
     const double work = static_cast<double>(attempt.front.roll_backs) * static_cast<double>(attempt.front.triangles);
     const std::optional<uint64_t> count = NextCount(p, attempt, wanted);
     if (number == 1 || IsBetter(attempt, best, wanted)) best = std::move(attempt);
-    if (places.empty() && (!is_off || number >= kMaxForCount)) break;
-    if (number == kMaxAttempts || places.size() > kMostFaults) break;
+    if (!is_faulty && (!is_off || number >= kMaxForCount)) break;
+    if (number == kMaxAttempts) break;
+    if (is_faulty && std::exchange(may_keep_creases, false)) {
+      MESHFRONT_ASSIGN_OR_RETURN(keeps_creases,
+                                 CutAlongCreases(kCreaseAngleOfNeed * std::numbers::pi / 180, p, context));
+      if (keeps_creases) {
+        MESHFRONT_RETURN_IF_ERROR(PrepareAgain({}, count, p, context));
+        continue;
+      }
+    }
+    const bool is_lost = places.size() > kMostFaults || (is_faulty && places.empty());
+    if (is_lost && p.parameters.options.eta > kGentleEta) {
+      GradeGently(p);
+      MESHFRONT_RETURN_IF_ERROR(PrepareAgain({}, count, p, context));
+      continue;
+    }
+    if (is_lost) break;
     const absl::Status prepared = remedy.Apply(places, is_rough || work > kMostWorkForFiner, count, p, context);
     if (absl::IsInvalidArgument(prepared)) break;  // so few, or so many, can't be made
     MESHFRONT_RETURN_IF_ERROR(prepared);

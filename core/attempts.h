@@ -8,6 +8,7 @@
 #include "core/front/advancing_front.h"
 #include "core/mesh/holding_sink.h"
 #include "core/mesh/mesh_sink.h"
+#include "core/mesh/topology.h"
 #include "core/preparation.h"
 
 namespace meshfront {
@@ -20,20 +21,29 @@ struct Attempt {
   std::vector<Vec3>
       intersections;  // where it meets itself though the surface does not within the error bound, one a pair
   std::vector<Vec3> flat_triangles;  // where one has no area
+  bool has_other_topology = false;   // than the input: components, boundary loops or genus; only where it is whole
+  bool keeps_creases = false;        // though they were not to be kept: no front passed over them
   std::vector<HeldPiece> pieces;     // what was held of it; none afterwards
 
-  size_t fault_count() const { return front.open_places.size() + intersections.size() + flat_triangles.size(); }
+  size_t fault_count() const {
+    return front.open_places.size() + intersections.size() + flat_triangles.size() + has_other_topology;
+  }
   // The places of all of them.
   std::vector<Vec3> Faults() const;
 };
 
+// The topology of what a front made, from the counts that it kept: V − E + F with E = (3F + rim) / 2.
+TopologyReport TopologyOf(const FrontReport& front);
+
 // Advances the fronts of a preparation into the sink, as AdvanceFront does, with its errors. Results with creases, or with rims that
 // lie close to something (close_curves.h), or on ground where one edge in 200 turns sharply, are held back up to 524,288 triangles, those
-// with other rims up to 6,000, and whole ones of which up to 6,000 are wanted. While nothing went on and there are at most 1,000 faults
-// they are made again, at most six times: with edges half as long around the faults, up to three times and not on such ground; then with
-// the input's faces cut loose around the faults (loose_faces.h), unless a shortest edge is asked for; and up to three times for as many
-// more or fewer triangles as came too few or too many when a number was wanted (off by more than 3 %). The attempt with the fewest faults
-// goes on, of equals the one nearest to the count. Progress begins anew with each. Changes the preparation.
+// with other rims up to 6,000, and whole ones of which up to 6,000 are wanted. While nothing went on they are made again, at most six
+// times: where creases were not to be kept, with those of more than 40 degrees; where the topology is not the input's, or there are more
+// than 1,000 faults, with an eta of 1.2 if it was larger; where there are fewer, with edges half as long around them, up to three times
+// and not on such ground; then with the input's faces cut loose around the faults (loose_faces.h), unless a shortest edge is asked for;
+// and up to three times for as many more or fewer triangles as came too few or too many when a number was wanted (off by more than 3 %).
+// The attempt with the fewest faults goes on, of equals the one nearest to the count. Progress begins anew with each. Changes the
+// preparation.
 absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& preparation, MeshSink& sink, const Context& context);
 
 }  // namespace meshfront

@@ -45,6 +45,11 @@ class FieldBuilder {
   FieldBuilder(const MeshSurface& surface, const FieldBuilder& other) : FieldBuilder(surface, other.limits_) {
     added_ = other.added_;
   }
+  // The same with another eta.
+  FieldBuilder(const MeshSurface& surface, const FieldBuilder& other, double eta)
+      : FieldBuilder(surface, WithEta(other.limits_, eta)) {
+    added_ = other.added_;
+  }
 
   // `parameter`: rho in (0, 2π/3], the error bound, or the median edge, > 0. Fails when the context stops it.
   absl::StatusOr<SizedField> Build(double parameter, const Context& context);
@@ -64,6 +69,10 @@ class FieldBuilder {
   absl::StatusOr<SizedField> BuildForCount(uint64_t count, const Context& context);
 
  private:
+  static SizingLimits WithEta(SizingLimits limits, double eta) {
+    limits.eta = eta;
+    return limits;
+  }
   double LongestGuidance() const;
   double WantedLengthAt(double max_curvature) const;
   double LengthAt(double max_curvature) const;

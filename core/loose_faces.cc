@@ -1,12 +1,15 @@
-// 1. the mesh before it was cut    2. where it was cut, and the sides of the faces around the places    3. the surface again
+// 1. the mesh before it was cut    2. where it was cut, and the sides of the faces around the places, or its creases
+// 3. the surface again
 #include "core/loose_faces.h"
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "core/base/status_macros.h"
+#include "core/features/creases.h"
 #include "core/features/seams.h"
 #include "core/geometry/bvh.h"
 #include "core/geometry/triangle.h"
@@ -52,12 +55,29 @@ void VisitFacesWithin(const TriangleBvh& tree, const TriangleMesh& mesh, const V
   });
 }
 
+// The surface of the preparation, cut open as the flags of the half-edges say.
+absl::Status CutAgain(TriangleMesh mesh, FaceAdjacency adjacency, std::vector<bool> cuts, Preparation& p,
+                      const Context& context) {
+  MarkSeams(mesh, adjacency, cuts);
+  MESHFRONT_ASSIGN_OR_RETURN(auto surface, MeshSurface::Create(std::move(mesh), std::move(adjacency), cuts, context));
+  MESHFRONT_RETURN_IF_ERROR(surface->ComputeCurvature(context));
+  auto builder = std::make_unique<FieldBuilder>(*surface, *p.builder);
+  p.surface = std::move(surface);
+  p.builder = std::move(builder);
+  p.seeds = p.surface->Seeds();
+  return absl::OkStatus();
+}
+
+absl::Status NoOrientedManifold() {
+  return absl::InternalError("a surface's mesh is no oriented manifold; please report this mesh");
+}
+
 }  // namespace
 
 absl::Status CutFacesLoose(absl::Span<const Vec3> places, double reach, Preparation& p, const Context& context) {
   TriangleMesh mesh = MeshBeforeTheCut(*p.surface);
   std::optional<FaceAdjacency> adjacency = FindOrientedAdjacency(mesh);
-  if (!adjacency) return absl::InternalError("a surface's mesh is no oriented manifold; please report this mesh");
+  if (!adjacency) return NoOrientedManifold();
   std::vector<bool> cuts = CutsOf(*p.surface);
   const TriangleBvh tree(mesh.positions, mesh.triangles);
   for (const Vec3& place : places) {
@@ -69,14 +89,17 @@ absl::Status CutFacesLoose(absl::Span<const Vec3> places, double reach, Preparat
       }
     });
   }
-  MarkSeams(mesh, *adjacency, cuts);
-  MESHFRONT_ASSIGN_OR_RETURN(auto surface, MeshSurface::Create(std::move(mesh), *std::move(adjacency), cuts, context));
-  MESHFRONT_RETURN_IF_ERROR(surface->ComputeCurvature(context));
-  auto builder = std::make_unique<FieldBuilder>(*surface, *p.builder);
-  p.surface = std::move(surface);
-  p.builder = std::move(builder);
-  p.seeds = p.surface->Seeds();
-  return absl::OkStatus();
+  return CutAgain(std::move(mesh), *std::move(adjacency), std::move(cuts), p, context);
+}
+
+absl::StatusOr<bool> CutAlongCreases(double angle, Preparation& p, const Context& context) {
+  TriangleMesh mesh = MeshBeforeTheCut(*p.surface);
+  std::optional<FaceAdjacency> adjacency = FindOrientedAdjacency(mesh);
+  if (!adjacency) return NoOrientedManifold();
+  MESHFRONT_ASSIGN_OR_RETURN(std::vector<bool> cuts, FindCreases(mesh, *adjacency, angle, context));
+  if (std::find(cuts.begin(), cuts.end(), true) == cuts.end()) return false;
+  MESHFRONT_RETURN_IF_ERROR(CutAgain(std::move(mesh), *std::move(adjacency), std::move(cuts), p, context));
+  return true;
 }
 
 }  // namespace meshfront

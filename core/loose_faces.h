@@ -1,7 +1,9 @@
-// Where no front comes out right, the input's own faces stand in: they meet no other than the input's do.
+// Where no front comes out right the surface is cut again: along its creases where those were not to be kept, or into its own faces, which
+// meet no other than the input's do.
 #pragma once
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "absl/types/span.h"
 #include "core/base/context.h"
 #include "core/preparation.h"
@@ -14,5 +16,9 @@ namespace meshfront {
 // memory again as the surface until it returns.
 absl::Status CutFacesLoose(absl::Span<const Vec3> places, double reach, Preparation& preparation,
                            const Context& context);
+
+// Cuts a surface that was not cut along creases along those that turn by more than `angle` (radians). False: there are none, and nothing
+// has changed. Else as CutFacesLoose.
+absl::StatusOr<bool> CutAlongCreases(double angle, Preparation& preparation, const Context& context);
 
 }  // namespace meshfront

@@ -81,22 +81,13 @@ int ThreadsInForce(const Context& context) {
   return context.threads > 0 ? context.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 }
 
-// Topology of the output from the counts that the front kept: V − E + F with E = (3F + rim) / 2.
-TopologyReport OutputTopology(const FrontReport& front) {
-  TopologyReport t;
-  t.vertices = front.vertices;
-  t.triangles = front.triangles;
-  t.components = front.components;
-  t.boundary_edges = front.boundary_edges;
-  t.boundary_loops = front.boundary_loops;
-  t.closed = front.triangles > 0 && front.boundary_edges == 0;
-  t.oriented = true;  // the front set's invariant, as is that no edge has more than two triangles
-  t.manifold = front.pinched_vertices == 0;
-  const auto n = [](uint64_t x) { return static_cast<int64_t>(x); };
-  t.euler_characteristic = n(t.vertices) - (3 * n(t.triangles) + n(t.boundary_edges)) / 2 + n(t.triangles);
-  const int64_t twice = 2 * n(t.components) - t.euler_characteristic - n(t.boundary_loops);
-  if (front.open_places.empty()) t.genus = twice / 2;
-  return t;
+std::string OtherTopology(const TopologyReport& input, const TopologyReport& output) {
+  const auto text = [](const TopologyReport& t) {
+    return absl::StrCat(t.components, " components, ", t.boundary_loops, " boundary loops and ",
+                        t.genus ? absl::StrCat("genus ", *t.genus) : "no genus");
+  };
+  return absl::StrCat("the result has ", text(output), ", the input ", text(input),
+                      ": the front took a way that the surface does not; smaller edges help");
 }
 
 // Where the input meets itself, so may the output, but not far from there.
@@ -104,6 +95,11 @@ void WarnOfFaults(const Attempt& attempt, Report& report) {
   if (!attempt.intersections.empty()) {
     report.warnings.push_back(absl::StrCat(attempt.intersections.size(), " pairs of triangles meet where the input ",
                                            "does not within the error bound"));
+  }
+  if (attempt.keeps_creases) {
+    report.warnings.push_back(
+        "the front could not pass over sharp edges: those of more than 40 degrees are kept as creases, though "
+        "crease_angle is off");
   }
   if (!attempt.flat_triangles.empty())
     report.warnings.push_back(absl::StrCat(attempt.flat_triangles.size(), " triangles have no area"));
@@ -185,8 +181,8 @@ absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& co
   const auto curvatures = p.surface->vertex_curvatures();
   const double peak = curvatures.empty() ? 0 : *std::max_element(curvatures.begin(), curvatures.end());
   report.error_bound = ErrorBoundInForce(p, front.longest_edge, peak);
-  report.output = OutputTopology(front);
-  report.complete = front.open_places.empty();
+  report.output = TopologyOf(front);
+  report.complete = front.open_places.empty() && !attempt.has_other_topology;
   report.open_places = front.open_places;
   report.quality.radius_ratio_min = front.quality.radius_ratio_min;
   report.quality.radius_ratio_p0_5 = front.quality.radius_ratio_p0_5;
@@ -206,6 +202,7 @@ absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& co
   Scale(p, report);
   WarnOfDeviations(front, p.scale, report);
   WarnOfFaults(attempt, report);
+  if (attempt.has_other_topology) report.warnings.push_back(OtherTopology(p.input.topology, report.output));
   return report;
 } catch (const std::exception&) {
   return StatusOfException();

@@ -223,6 +223,10 @@ class RemeshCommand {
 
   ExitCode ReportOpenPlaces() const {
     constexpr int shown = 20;
+    if (summary_.open_place_count() == 0) {
+      std::cerr << "meshfront: " << arguments_.out << " is not what was asked for: see the warnings\n";
+      return ExitCode::kPartial;
+    }
     std::cerr << "meshfront: " << arguments_.out << " is meshed only in part; it is open at "
               << summary_.open_place_count() << " places:\n";
     for (int i = 0; i < std::min(shown, summary_.open_places_size()); ++i) {
