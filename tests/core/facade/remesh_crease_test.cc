@@ -335,6 +335,25 @@ TEST(RemeshCreases, AreRoundedOffWithoutAnAngle) {
   EXPECT_GT(rounded.mesh.triangles.size(), 2 * kept.mesh.triangles.size()) << "and are expensive then";
 }
 
+// Whether the front passes over the edges or they have to be kept: the mesh is whole.
+class EverySharpShapeWithoutCreases : public ::testing::TestWithParam<std::tuple<SharpShape, double, double>> {};
+TEST_P(EverySharpShapeWithoutCreases, KeepsItsTopologyAndDoesNotIntersectItself) {
+  const TriangleMesh input = std::get<0>(GetParam()).make();
+  RemeshOptions options;
+  options.rho = std::get<1>(GetParam());
+  options.eta = std::get<2>(GetParam());
+  options.crease_angle = std::nullopt;
+  const Outcome out = RemeshOrFail(input, options);
+  const TopologyReport before = MeasureTopology(input);
+  EXPECT_TRUE(out.report.complete);
+  EXPECT_THAT(out.mesh, AllOf(IsManifold(), HasComponents(before.components), HasGenus(*before.genus),
+                              HasBoundaryLoops(before.boundary_loops)));
+  EXPECT_THAT(out.mesh, HasNoSelfIntersection());
+}
+INSTANTIATE_TEST_SUITE_P(Shapes, EverySharpShapeWithoutCreases,
+                         Combine(ValuesIn(SharpShapes()), ::testing::Values(1.0), ::testing::Values(1.2, 1.7)),
+                         NameOfGridCase<SharpShape>);
+
 TEST(RemeshCreases, AreThoseThatTurnByMoreThanTheAngle) {
   // The walls of a prism of eight sides meet at 45°. How much of the upright edge through (1, 0) the output has as edges:
   const TriangleMesh prism = CappedCylinder(1, 2, 8, 6);
