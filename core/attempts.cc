@@ -82,6 +82,7 @@ FrontOptions FrontOptionsOf(const Preparation& p) {
 }
 
 uint64_t HeldLimit(const Preparation& p, bool may_fail) {
+  if (p.region) return std::numeric_limits<uint64_t>::max();  // what is close to the rest can only be seen so
   if (may_fail) return kHeldTriangles;
   const uint64_t wanted = p.parameters.target_triangles;
   const uint64_t for_count = wanted <= kHeldInAnyCase ? wanted + wanted / 2 : 0;
@@ -119,16 +120,20 @@ std::array<Vec3, 3> CornersOf(const TriangleMesh& mesh, const Triangle& t) {
   return {mesh.PositionAt(t[0]), mesh.PositionAt(t[1]), mesh.PositionAt(t[2])};
 }
 
-// The settling window compares what it holds at a time; this compares all with all.
-absl::Status FindIntersections(const TriangleMesh& mesh, const Preparation& p, double bound, Attempt& attempt,
+// The settling window compares what it holds at a time; this compares all with all, and with what surrounds a region.
+absl::Status FindIntersections(TriangleMesh mesh, const Preparation& p, double bound, Attempt& attempt,
                                const Context& context) {
+  const size_t own = mesh.triangles.size();
+  if (p.region) AddFacesAround(*p.region, mesh);
+  const MeshSurface& input = p.region ? *p.region->around : *p.surface;
   MESHFRONT_ASSIGN_OR_RETURN(const SelfIntersections found, FindSelfIntersections(mesh, kMaxListedPairs, context));
   attempt.intersections.clear();
   for (const auto& [f, g] : found.first_pairs) {
+    if (f.index() >= own) continue;  // the input's own
     const auto [a, b, c] = CornersOf(mesh, mesh.triangles[f.index()]);
     const auto [d, e, h] = CornersOf(mesh, mesh.triangles[g.index()]);
     const Vec3 place = PlaceOfMeeting({a, b, c}, {d, e, h});
-    if (!p.surface->MeetsItselfNear(place, bound, context)) attempt.intersections.push_back(place);
+    if (!input.MeetsItselfNear(place, bound, context)) attempt.intersections.push_back(place);
   }
   return context.CheckStop();
 }
@@ -216,7 +221,7 @@ absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& p, MeshSink& sink, const 
   Attempt best;
   Remedy remedy;
   for (int number = 1;; ++number) {
-    MESHFRONT_ASSIGN_OR_RETURN(Attempt attempt, MakeAttempt(p, is_rough || number > 1, held, context));
+    MESHFRONT_ASSIGN_OR_RETURN(Attempt attempt, MakeAttempt(p, is_rough || p.region || number > 1, held, context));
     if (held.is_passing()) return attempt;
     held.HoldAll();  // the next may be larger, and worse: at most what max_triangles allows
     const std::vector<Vec3> places = attempt.Faults();
