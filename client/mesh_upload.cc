@@ -57,12 +57,14 @@ v1::Header HeaderFor(const TriangleMesh& mesh) {
   return header;
 }
 
-bool UploadArrays(const TriangleMesh& mesh, const BlockWriter& write, v1::EndOfInput* end) {
+bool UploadArrays(const TriangleMesh& mesh, const std::vector<uint32_t>& region_faces, const BlockWriter& write,
+                  v1::EndOfInput* end) {
   Sha256 digest;
   if (!UploadArray(v1::ARRAY_POSITIONS, BytesOf(mesh.positions), write, &digest)) return false;
   if (!UploadArray(v1::ARRAY_TRIANGLES, BytesOf(mesh.triangles), write, &digest)) return false;
   const bool has_normals = !mesh.normals.empty() && mesh.normals.size() == mesh.positions.size();
   if (has_normals && !UploadArray(v1::ARRAY_NORMALS, BytesOf(mesh.normals), write, &digest)) return false;
+  if (!UploadArray(v1::ARRAY_REGION_FACES, BytesOf(region_faces), write, &digest)) return false;
   end->set_sha256(digest.Finish());
   return true;
 }

@@ -3,9 +3,12 @@
 #include <grpcpp/create_channel.h>
 #include <grpcpp/security/credentials.h>
 
+#include <cstring>
+
 #include "absl/strings/str_cat.h"
 #include "client/mesh_upload.h"
 #include "core/base/status_macros.h"
+#include "proto/wire/crc32c.h"
 #include "proto/wire/errors.h"
 
 namespace meshfront {
@@ -38,13 +41,15 @@ bool SendInput(const TriangleMesh& mesh, const CallOptions& call, Stream* stream
   *request.mutable_header() = HeaderFor(mesh);
   *request.mutable_header()->mutable_options() = call.options;
   *request.mutable_header()->mutable_output() = call.output;
+  if (!call.region_faces.empty())
+    request.mutable_header()->mutable_options()->mutable_region()->set_face_count(call.region_faces.size());
   if (!stream->Write(request)) return false;
   v1::EndOfInput end;
   const auto write = [&](const v1::DataBlock& block) {
     *request.mutable_block() = block;
     return stream->Write(request);
   };
-  if (!UploadArrays(mesh, write, &end)) return false;
+  if (!UploadArrays(mesh, call.region_faces, write, &end)) return false;
   *request.mutable_end() = end;
   return stream->Write(request) && stream->WritesDone();
 }
@@ -69,6 +74,8 @@ class EventReader {
       case v1::MeshEvent::kChunk:
         MESHFRONT_RETURN_IF_ERROR(decoder_.Decode(event.chunk()));
         return observer_.OnChunk(event.chunk(), decoder_);
+      case v1::MeshEvent::kRemoved:
+        return TakeRemoved(event.removed());
       case v1::MeshEvent::kSummary:
         return TakeSummary(event.summary());
       default:
@@ -83,7 +90,21 @@ class EventReader {
   }
 
  private:
+  absl::Status TakeRemoved(const v1::RemovedFaces& removed) {
+    if (Crc32c(removed.faces()) != removed.crc32c() || removed.faces().size() % sizeof(uint32_t) != 0)
+      return absl::DataLossError("a list of removed faces is damaged; its checksum differs");
+    std::vector<uint32_t> faces(removed.faces().size() / sizeof(uint32_t));
+    std::memcpy(faces.data(), removed.faces().data(), removed.faces().size());
+    removed_faces_ += faces.size();
+    observer_.OnRemovedFaces(faces);
+    return absl::OkStatus();
+  }
+
   absl::Status TakeSummary(const v1::Summary& summary) {
+    if (summary.region().removed_faces() != removed_faces_) {
+      return absl::DataLossError(absl::StrCat("the Summary tells of ", summary.region().removed_faces(),
+                                              " removed faces; ", removed_faces_, " came"));
+    }
     if (summary.chunks() != decoder_.chunk_count() || summary.chunks_crc32c() != decoder_.chunks_crc32c()) {
       return absl::DataLossError(absl::StrCat("the Summary tells of ", summary.chunks(),
                                               " chunks with another checksum; ", decoder_.chunk_count(), " came"));
@@ -96,6 +117,7 @@ class EventReader {
   ChunkDecoder decoder_;
   RemeshObserver& observer_;
   v1::Summary summary_;
+  uint64_t removed_faces_ = 0;
   bool has_summary_ = false;
 };
 

@@ -4,10 +4,12 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "absl/types/span.h"
 #include "client/chunk_decoder.h"
 #include "core/mesh/triangle_mesh.h"
 #include "meshfront/v1/remesh_service.grpc.pb.h"
@@ -31,6 +33,8 @@ class CallCanceller {
 
 struct CallOptions {
   v1::RemeshOptions options;
+  std::vector<uint32_t>
+      region_faces;  // where they are the region: 0-based input order; announced in the options for you
   v1::OutputFormat output;
   absl::Time deadline = absl::InfiniteFuture();
   CallCanceller* canceller = nullptr;  // may be null; outlives the call
@@ -44,6 +48,8 @@ class RemeshObserver {
   virtual void OnAccepted(const v1::Accepted&) {}
   virtual void OnProgress(const v1::Progress&) {}
   virtual void OnDefect(const v1::Defect&) {}
+  // Faces of the input that the result has not any more (Region.patch_only), in increasing order and in pieces.
+  virtual void OnRemovedFaces(absl::Span<const uint32_t>) {}
   // A verified piece of the result; the spans hold during the call. A status that is not OK ends the RPC and is returned.
   virtual absl::Status OnChunk(const v1::Chunk& chunk, const ChunkDecoder& decoded) = 0;
 };

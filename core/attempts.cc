@@ -93,6 +93,7 @@ FrontOptions FrontOptionsOf(const Preparation& p, bool passes_sharp_edges) {
 }
 
 uint64_t HeldLimit(const Preparation& p, bool may_fail) {
+  if (p.region) return std::numeric_limits<uint64_t>::max();  // what is close to the rest can only be seen so
   if (may_fail) return kHeldTriangles;
   const uint64_t wanted = p.parameters.target_triangles;
   const uint64_t for_count = wanted <= kHeldInAnyCase ? wanted + wanted / 2 : 0;
@@ -130,23 +131,25 @@ std::array<Vec3, 3> CornersOf(const TriangleMesh& mesh, const Triangle& t) {
   return {mesh.PositionAt(t[0]), mesh.PositionAt(t[1]), mesh.PositionAt(t[2])};
 }
 
-bool HasOtherTopology(const FrontReport& front, const TopologyReport& input) {
-  if (!front.open_places.empty() || front.pinched_vertices > 0) return false;  // it can't be told
-  const TopologyReport output = TopologyOf(front);
-  return output.components != input.components || output.boundary_loops != input.boundary_loops ||
-         (input.genus && output.genus != input.genus);
+bool HasOtherTopology(const FrontReport& front, const Preparation& p) {
+  if (p.region || !front.open_places.empty() || front.pinched_vertices > 0) return false;  // it can't be told
+  return HasOtherTopology(TopologyOf(front), p.input.topology);
 }
 
-// The settling window compares what it holds at a time; this compares all with all.
-absl::Status FindIntersections(const TriangleMesh& mesh, const Preparation& p, double bound, Attempt& attempt,
+// The settling window compares what it holds at a time; this compares all with all, and with what surrounds a region.
+absl::Status FindIntersections(TriangleMesh mesh, const Preparation& p, double bound, Attempt& attempt,
                                const Context& context) {
+  const size_t own = mesh.triangles.size();
+  if (p.region) AddFacesAround(*p.region, mesh);
+  const MeshSurface& input = p.region ? *p.region->around : *p.surface;
   MESHFRONT_ASSIGN_OR_RETURN(const SelfIntersections found, FindSelfIntersections(mesh, kMaxListedPairs, context));
   attempt.intersections.clear();
   for (const auto& [f, g] : found.first_pairs) {
+    if (f.index() >= own) continue;  // the input's own
     const auto [a, b, c] = CornersOf(mesh, mesh.triangles[f.index()]);
     const auto [d, e, h] = CornersOf(mesh, mesh.triangles[g.index()]);
     const Vec3 place = PlaceOfMeeting({a, b, c}, {d, e, h});
-    if (!p.surface->MeetsItselfNear(place, bound, context)) attempt.intersections.push_back(place);
+    if (!input.MeetsItselfNear(place, bound, context)) attempt.intersections.push_back(place);
   }
   return context.CheckStop();
 }
@@ -167,7 +170,7 @@ absl::StatusOr<Attempt> MakeAttempt(const Preparation& p, bool looks_closely, bo
   attempt.parameters = p.parameters;
   attempt.parameter = p.parameter;
   attempt.intersections = attempt.front.spread_intersections;
-  attempt.has_other_topology = HasOtherTopology(attempt.front, p.input.topology);
+  attempt.has_other_topology = HasOtherTopology(attempt.front, p);
   if (held.is_passing()) return attempt;
   attempt.pieces = held.Take();
   const TriangleMesh mesh = MeshOf(attempt.pieces);
@@ -232,6 +235,11 @@ std::vector<Vec3> Attempt::Faults() const {
   return places;
 }
 
+bool HasOtherTopology(const TopologyReport& output, const TopologyReport& input) {
+  return output.components != input.components || output.boundary_loops != input.boundary_loops ||
+         (input.genus && output.genus != input.genus);
+}
+
 TopologyReport TopologyOf(const FrontReport& front) {
   TopologyReport t;
   t.vertices = front.vertices;
@@ -258,8 +266,8 @@ absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& p, MeshSink& sink, const 
   Attempt best;
   Remedy remedy;
   for (int number = 1;; ++number) {
-    MESHFRONT_ASSIGN_OR_RETURN(Attempt attempt,
-                               MakeAttempt(p, is_rough || number > 1, is_rough && may_keep_creases, held, context));
+    MESHFRONT_ASSIGN_OR_RETURN(Attempt attempt, MakeAttempt(p, is_rough || p.region || number > 1,
+                                                            is_rough && may_keep_creases, held, context));
     attempt.keeps_creases = keeps_creases;
     if (held.is_passing()) return attempt;
     held.HoldAll();  // the next may be larger, and worse: at most what max_triangles allows

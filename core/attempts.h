@@ -34,6 +34,8 @@ struct Attempt {
 
 // The topology of what a front made, from the counts that it kept: V − E + F with E = (3F + rim) / 2.
 TopologyReport TopologyOf(const FrontReport& front);
+// Whether components, boundary loops or genus differ.
+bool HasOtherTopology(const TopologyReport& output, const TopologyReport& input);
 
 // Advances the fronts of a preparation into the sink, as AdvanceFront does, with its errors. Results with creases, or with rims that
 // lie close to something (close_curves.h), or on ground where one edge in 200 turns sharply, are held back up to 524,288 triangles, those

@@ -27,8 +27,6 @@ namespace {
 
 // Twice the fence height stays below the distance to the other sheet: h = 2ε, so ε is at most a quarter of it.
 constexpr double kErrorPerSheetDistance = 0.25;
-// How far another sheet matters where the thickness itself is what sizes edges.
-constexpr double kLongestThicknessPerDiagonal = 0.5;
 // … but an edge needs to be no shorter for it than this part of the input's: those keep the sheets apart as well, or they meet.
 constexpr double kLeastPerInputEdge = 0.5;
 // On a strip g is at most so many of its widths: triangles between two rows of points that far apart have 2r/R of 0.6 and more. At 1.7
@@ -118,7 +116,7 @@ absl::Status Unreachable(uint64_t count, double nearest) {
 FieldBuilder::FieldBuilder(const MeshSurface& surface, const SizingLimits& limits)
     : surface_(surface),
       limits_(limits),
-      diagonal_(BoundingBox(surface.mesh(), surface.adjacency()).Diagonal()),
+      diagonal_(limits.diagonal > 0 ? limits.diagonal : BoundingBox(surface.mesh(), surface.adjacency()).Diagonal()),
       longest_(surface.mesh().positions.size(), kInfinity) {
   if (limits.max_edge_given || limits.sizing == Sizing::kUniform) return;
   const absl::Span<const double> diagonals = surface.whole_diagonals();
@@ -287,7 +285,7 @@ absl::StatusOr<std::vector<SizingSample>> FieldBuilder::Samples(uint64_t& clampe
   MESHFRONT_ASSIGN_OR_RETURN(const std::vector<SizingSample> rim,
                              BoundarySizingSamples(surface_, ideal_length, context));
   samples.insert(samples.end(), rim.begin(), rim.end());
-  samples.insert(samples.end(), added_.begin(), added_.end());
+  if (limits_.blend == nullptr) samples.insert(samples.end(), added_.begin(), added_.end());
   for (const WidthSample& place : *widths_) {
     const double length = LengthForWidth(place);
     if (std::isfinite(length)) samples.push_back({place.position, length});
@@ -304,6 +302,9 @@ absl::StatusOr<SizedField> FieldBuilder::BuildField(double parameter, const Cont
   MESHFRONT_ASSIGN_OR_RETURN(std::vector<SizingSample> samples, Samples(clamped, context));
   const GuidanceOptions options{limits_.eta, limits_.min_edge, LongestGuidance()};
   MESHFRONT_ASSIGN_OR_RETURN(GuidanceField field, GuidanceField::Create(std::move(samples), options, context));
+  if (limits_.blend != nullptr) {
+    MESHFRONT_ASSIGN_OR_RETURN(field, limits_.blend->Apply(field, added_, context));
+  }
   return SizedField{std::move(field), parameter, 0, clamped, detail_};
 }
 

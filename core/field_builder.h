@@ -14,6 +14,7 @@
 #include "core/base/context.h"
 #include "core/features/patch_width.h"
 #include "core/guidance/guidance_field.h"
+#include "core/region_blend.h"
 #include "core/remesh.h"
 #include "core/surface/curvature_average.h"
 #include "core/surface/mesh_surface.h"
@@ -23,8 +24,10 @@ namespace meshfront {
 struct SizingLimits {
   Sizing sizing = Sizing::kAngle;
   double eta = 1.2;
-  double min_edge = 0, max_edge = 0;  // clamp of g, absolute, 0 < min_edge ≤ max_edge
-  bool max_edge_given = false;        // false: no edge is longer than a set part of its component either
+  double min_edge = 0, max_edge = 0;   // clamp of g, absolute, 0 < min_edge ≤ max_edge
+  bool max_edge_given = false;         // false: no edge is longer than a set part of its component either
+  double diagonal = 0;                 // of the whole that the surface is a part of; 0: it is the whole
+  const RegionBlend* blend = nullptr;  // towards the border of that part; outlives the builder
 };
 
 struct SizedField {
@@ -133,6 +136,9 @@ class FieldBuilder {
   std::optional<std::vector<WidthSample>> widths_;  // none: not measured yet
   std::optional<Probe> probe_;                      // likewise
 };
+
+// How far another sheet matters where the thickness itself is what sizes edges.
+inline constexpr double kLongestThicknessPerDiagonal = 0.5;
 
 // The largest part of its component's diagonal that an edge may have where max_edge is not given.
 inline constexpr double kMaxEdgePerComponent = 0.25;

@@ -60,6 +60,11 @@ absl::Status CutAgain(TriangleMesh mesh, FaceAdjacency adjacency, std::vector<bo
                       const Context& context) {
   MarkSeams(mesh, adjacency, cuts);
   MESHFRONT_ASSIGN_OR_RETURN(auto surface, MeshSurface::Create(std::move(mesh), std::move(adjacency), cuts, context));
+  if (p.region) {
+    surface->TakeBorderFrom(*p.surface);
+    const RemeshOptions& options = p.parameters.options;
+    MESHFRONT_ASSIGN_OR_RETURN(p.region->blend, RegionBlend::Create(*surface, options.blend, options.eta, context));
+  }
   MESHFRONT_RETURN_IF_ERROR(surface->ComputeCurvature(context));
   auto builder = std::make_unique<FieldBuilder>(*surface, *p.builder);
   p.surface = std::move(surface);

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -21,6 +22,7 @@
 #include "core/field_builder.h"
 #include "core/guidance/sizing.h"
 #include "core/mesh/repair_slivers.h"
+#include "core/region_selection.h"
 
 namespace meshfront {
 namespace {
@@ -61,15 +63,16 @@ double ScaleFor(double diagonal) {
   return std::ldexp(1.0, -std::ilogb(diagonal));
 }
 
-absl::Status Mend(TriangleMesh& mesh, bool repair, InputReport& report, std::optional<FaceAdjacency>& adjacency,
-                  const Context& context) {
+absl::Status Mend(TriangleMesh& mesh, const RemeshOptions& options, bool is_region, InputReport& report,
+                  std::optional<FaceAdjacency>& adjacency, const Context& context) {
   if (mesh.triangles.empty()) {
     return absl::FailedPreconditionError(
         absl::StrCat("the input is a point set (", mesh.positions.size(),
                      " points and no triangles); meshing point sets is not supported yet"));
   }
-  if (!repair) return RequireManifold(mesh);
-  MESHFRONT_ASSIGN_OR_RETURN(RepairResult repaired, RepairMesh(std::move(mesh), context));
+  if (!options.repair) return RequireManifold(mesh);
+  MESHFRONT_ASSIGN_OR_RETURN(RepairResult repaired, is_region ? RepairMeshAsOriented(std::move(mesh), context)
+                                                              : RepairMesh(std::move(mesh), context));
   mesh = std::move(repaired.mesh);
   report.repairs = std::move(repaired.actions);
   adjacency = std::move(repaired.adjacency);
@@ -88,13 +91,13 @@ double SliverReach(const RemeshOptions& options, double diagonal, double scale) 
   return std::min(reach, kSliverReachPerError * Resolve(options.max_error, diagonal, scale, 0));
 }
 
-// The creases; where the input may be repaired, of a mesh whose slivers are mended if they have sides among them.
+// The creases; where the input may be repaired, of a mesh whose slivers are mended if they have sides among them. `reach` 0: none is.
 absl::StatusOr<std::vector<bool>> MendAndFindCreases(TriangleMesh& mesh, FaceAdjacency& adjacency,
                                                      const RemeshOptions& options, double reach,
                                                      std::vector<RepairAction>& repairs, const Context& context) {
   const double angle = *options.crease_angle * std::numbers::pi / 180;
   MESHFRONT_ASSIGN_OR_RETURN(std::vector<bool> creases, FindCreases(mesh, adjacency, angle, context));
-  if (!options.repair) return creases;
+  if (!options.repair || reach == 0) return creases;
   const SliverChanges changes = MendSlivers(mesh, adjacency, creases, reach);
   if (changes.flipped_caps > 0) repairs.push_back({"flipped_caps", changes.flipped_caps});
   if (changes.collapsed_needles > 0) repairs.push_back({"collapsed_needles", changes.collapsed_needles});
@@ -109,7 +112,8 @@ absl::StatusOr<std::unique_ptr<MeshSurface>> MakeSurface(TriangleMesh mesh, std:
   if (!options.crease_angle) return MeshSurface::Create(std::move(mesh), std::move(adjacency), context);
   if (!adjacency) adjacency = FindOrientedAdjacency(mesh);
   if (!adjacency) return absl::InvalidArgumentError("the mesh is not an oriented manifold; repair it first");
-  const double reach = SliverReach(options, p.input.diagonal * p.scale, p.scale);
+  // Around a region nothing may move, and slivers on its border would.
+  const double reach = p.region ? 0 : SliverReach(options, p.input.diagonal * p.scale, p.scale);
   const size_t repairs = p.input.repairs.size();
   MESHFRONT_ASSIGN_OR_RETURN(std::vector<bool> creases,
                              MendAndFindCreases(mesh, *adjacency, options, reach, p.input.repairs, context));
@@ -173,13 +177,99 @@ absl::Status SetField(const std::optional<uint64_t>& count, Preparation& p, cons
 
 absl::Status MakeField(Preparation& p, const Context& context) {
   RemeshOptions& options = p.parameters.options;
-  const SizingLimits limits{options.sizing, options.eta, p.parameters.min_edge, p.parameters.max_edge,
-                            options.max_edge.has_value()};
+  const SizingLimits limits{options.sizing,
+                            options.eta,
+                            p.parameters.min_edge,
+                            p.parameters.max_edge,
+                            options.max_edge.has_value(),
+                            p.region ? p.input.diagonal * p.scale : 0,
+                            p.region ? &*p.region->blend : nullptr};
   p.builder = std::make_unique<FieldBuilder>(*p.surface, limits);
   const std::optional<uint64_t> count = std::exchange(options.target_triangles, std::nullopt);
   p.parameters.target_triangles = count.value_or(0);
   if (!count) p.parameter = ParameterOf(options, p);
   return SetField(count, p, context);
+}
+
+// How far from a region another sheet matters.
+double ReachAround(const RemeshOptions& options, double diagonal) {
+  return diagonal *
+         (options.sizing == Sizing::kThickness ? kLongestThicknessPerDiagonal : kLongestSheetReachPerDiagonal);
+}
+
+RegionReport ReportEverything(const Region& region, const TriangleMesh& input, const TriangleMesh& mesh) {
+  RegionReport report;
+  report.replaced_triangles = mesh.triangles.size();
+  if (region.patch_only) report.removed_faces.resize(input.triangles.size());
+  std::iota(report.removed_faces.begin(), report.removed_faces.end(), 0u);
+  return report;
+}
+
+// The mesh is what surrounds the region from here on. Not where that is all of the mesh: p.everything is set then.
+absl::Status ChooseRegion(const Region& region, const TriangleMesh& input, TriangleMesh& mesh,
+                          std::optional<FaceAdjacency>& adjacency, Preparation& p) {
+  auto parts = std::make_unique<RegionParts>();
+  MESHFRONT_ASSIGN_OR_RETURN(parts->chosen, SelectFaces(mesh, region, input.triangles.size()));
+  parts->report.replaced_triangles = std::count(parts->chosen.begin(), parts->chosen.end(), true);
+  parts->report.kept_triangles = parts->chosen.size() - parts->report.replaced_triangles;
+  if (parts->report.kept_triangles == 0) {
+    p.everything = ReportEverything(region, input, mesh);
+    return absl::OkStatus();
+  }
+  parts->patch_only = region.patch_only;
+  parts->whole = std::move(mesh);
+  CompareWithInput(input, !p.input.repairs.empty(), *parts);
+  if (!adjacency) adjacency = CreateAdjacency(parts->whole);
+  mesh = CutOutSurroundings(*adjacency, ReachAround(p.parameters.options, p.input.diagonal), *parts);
+  adjacency = CreateAdjacency(mesh);
+  p.region = std::move(parts);
+  return absl::OkStatus();
+}
+
+void MeasureInput(const TriangleMesh& mesh, const std::optional<FaceAdjacency>& adjacency, Preparation& p) {
+  p.input.topology = adjacency ? MeasureTopology(mesh, *adjacency) : MeasureTopology(mesh);
+  p.input.diagonal = BoundingBox(mesh).Diagonal();
+  p.scale = ScaleFor(p.input.diagonal);
+}
+
+// Repairs the problem's mesh, measures and scales it, or the part of it that the region needs.
+absl::Status MendAndChoose(Problem& problem, Preparation& p, std::optional<FaceAdjacency>& adjacency,
+                           const Context& context) {
+  TriangleMesh& mesh = problem.mesh;
+  TriangleMesh input;
+  if (problem.region) {
+    MESHFRONT_RETURN_IF_ERROR(ValidateRegion(*problem.region));
+    mesh.face_origins.resize(mesh.triangles.size());
+    std::iota(mesh.face_origins.begin(), mesh.face_origins.end(), 0u);
+    input = mesh;
+  }
+  const RemeshOptions& options = p.parameters.options;
+  MESHFRONT_RETURN_IF_ERROR(Mend(mesh, options, problem.region.has_value(), p.input, adjacency, context));
+  MeasureInput(mesh, adjacency, p);
+  if (problem.region) MESHFRONT_RETURN_IF_ERROR(ChooseRegion(*problem.region, input, mesh, adjacency, p));
+  if (p.everything) {  // as if no region had been asked for
+    mesh = std::move(input);
+    mesh.face_origins.clear();
+    MESHFRONT_RETURN_IF_ERROR(Mend(mesh, options, false, p.input, adjacency, context));
+    MeasureInput(mesh, adjacency, p);
+  }
+  if (p.scale != 1) {
+    for (Vec3& x : mesh.positions) x *= p.scale;
+  }
+  return absl::OkStatus();
+}
+
+// … of what surrounds the region, where there is one; its surface takes its place.
+absl::Status MeasureCurvature(Preparation& p, const Context& context) {
+  if (!p.region) return p.surface->ComputeCurvature(context);
+  RegionParts& parts = *p.region;
+  p.surface->SetWholeDiagonals([&](FaceId f) { return p.scale * parts.diagonals[f.index()]; });
+  MESHFRONT_RETURN_IF_ERROR(p.surface->ComputeCurvature(context));
+  parts.around = std::move(p.surface);
+  p.surface = CutOutRegion(parts);
+  const RemeshOptions& options = p.parameters.options;
+  MESHFRONT_ASSIGN_OR_RETURN(parts.blend, RegionBlend::Create(*p.surface, options.blend, options.eta, context));
+  return absl::OkStatus();
 }
 
 double MaxSagitta(const Preparation& p) {
@@ -219,6 +309,12 @@ absl::StatusOr<RepairResult> RepairInput(TriangleMesh mesh, const RemeshOptions&
   return StatusOfException();
 }
 
+absl::StatusOr<RepairResult> RepairInputOfRegion(TriangleMesh mesh, const Context& context) try {
+  return RepairMeshAsOriented(std::move(mesh), context);
+} catch (const std::exception&) {
+  return StatusOfException();
+}
+
 absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {
   MESHFRONT_RETURN_IF_ERROR(ValidateOptions(problem.options));
   const RemeshOptions options = problem.options;
@@ -228,23 +324,17 @@ absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {
   p.input.is_point_set = problem.mesh.IsPointSet();
   context.Report({Stage::kRepair});
   std::optional<FaceAdjacency> adjacency;  // where the repair has it
-  MESHFRONT_RETURN_IF_ERROR(Mend(problem.mesh, options.repair, p.input, adjacency, context));
-  p.input.topology = adjacency ? MeasureTopology(problem.mesh, *adjacency) : MeasureTopology(problem.mesh);
-  p.input.diagonal = BoundingBox(problem.mesh).Diagonal();
-  p.scale = ScaleFor(p.input.diagonal);
-  if (p.scale != 1) {
-    for (Vec3& x : problem.mesh.positions) x *= p.scale;
-  }
+  MESHFRONT_RETURN_IF_ERROR(MendAndChoose(problem, p, adjacency, context));
   p.seconds.repair = watch.Lap();
 
   context.Report({Stage::kIndex});
   MESHFRONT_ASSIGN_OR_RETURN(p.surface,
                              MakeSurface(std::move(problem.mesh), std::move(adjacency), options, p, context));
-  MESHFRONT_RETURN_IF_ERROR(SetClamps(options, p.surface->whole_diagonals(), p));
   p.seconds.index = watch.Lap();
 
   context.Report({Stage::kCurvature});
-  MESHFRONT_RETURN_IF_ERROR(p.surface->ComputeCurvature(context));
+  MESHFRONT_RETURN_IF_ERROR(MeasureCurvature(p, context));
+  MESHFRONT_RETURN_IF_ERROR(SetClamps(options, p.surface->whole_diagonals(), p));
   p.seconds.curvature = watch.Lap();
 
   context.Report({Stage::kGuidance});

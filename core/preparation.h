@@ -9,6 +9,7 @@
 #include "absl/status/statusor.h"
 #include "core/field_builder.h"
 #include "core/guidance/guidance_field.h"
+#include "core/region_parts.h"
 #include "core/remesh.h"
 #include "core/surface/mesh_surface.h"
 #include "core/surface/oriented_loop.h"
@@ -18,7 +19,9 @@ namespace meshfront {
 struct Preparation {
   InputReport input;
   ParametersInForce parameters;
-  std::unique_ptr<MeshSurface> surface;
+  std::unique_ptr<RegionParts> region;     // none: the surface is that of all
+  std::optional<RegionReport> everything;  // where a region was asked for that is all of the mesh
+  std::unique_ptr<MeshSurface> surface;    // of what is to be meshed
   std::unique_ptr<FieldBuilder> builder;
   std::optional<GuidanceField> field;
   std::vector<OrientedLoop> loops;

@@ -17,11 +17,13 @@
 #include "core/guidance/prediction.h"
 #include "core/guidance/sizing.h"
 #include "core/preparation.h"
+#include "core/region_sink.h"
 
 namespace meshfront {
 namespace {
 
 constexpr uint64_t kMinTargetTriangles = 4;  // a tetrahedron
+constexpr double kMaxBlend = 1000;
 
 using Clock = std::chrono::steady_clock;
 
@@ -33,11 +35,14 @@ class OutgoingSink : public MeshSink {
   OutgoingSink(MeshSink& next, double scale, Clock::time_point start) : next_(next), scale_(scale), start_(start) {}
 
   absl::Status Append(const MeshPiece& piece) override {
-    if (first_chunk_ == 0) first_chunk_ = SecondsSince(start_);
+    NoteChunk();
     if (scale_ == 1) return next_.Append(piece);
     std::vector<OutputVertex> vertices(piece.vertices.begin(), piece.vertices.end());
     for (OutputVertex& v : vertices) v.position = v.position / scale_;
     return next_.Append({vertices, piece.triangles, piece.finalised, piece.open_front_edges, piece.kinds});
+  }
+  void NoteChunk() {
+    if (first_chunk_ == 0) first_chunk_ = SecondsSince(start_);
   }
   double first_chunk() const { return first_chunk_; }
 
@@ -143,6 +148,20 @@ void WarnOfDeviations(const FrontReport& front, double scale, Report& report) {
                                          place.x, ", ", place.y, ", ", place.z));
 }
 
+void ReportRegion(Preparation& p, const FrontReport& front, Report& report) {
+  if (!p.region) {
+    report.region = std::move(p.everything);
+    if (report.region) report.region->new_triangles = front.triangles;
+    return;
+  }
+  const RegionParts& parts = *p.region;
+  report.region = std::move(p.region->report);
+  if (parts.changed_outside == 0 && parts.dropped_outside == 0) return;
+  report.warnings.push_back(absl::StrCat("repair changed ", parts.changed_outside,
+                                         " faces outside of the region, and dropped ", parts.dropped_outside,
+                                         " anywhere; options.repair = false would have refused the mesh"));
+}
+
 }  // namespace
 
 absl::Status ValidateOptions(const RemeshOptions& o) {
@@ -156,6 +175,10 @@ absl::Status ValidateOptions(const RemeshOptions& o) {
     return absl::InvalidArgumentError(
         absl::StrCat("options.crease_angle is ", *o.crease_angle, "; it must be in (0, 180)"));
   }
+  if (!(o.blend >= 0 && o.blend <= kMaxBlend)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("options.blend is ", o.blend, "; it must be in [0, ", kMaxBlend, "]"));
+  }
   MESHFRONT_RETURN_IF_ERROR(CheckLength("max_error", o.max_error));
   MESHFRONT_RETURN_IF_ERROR(CheckLength("edge_length", o.edge_length));
   MESHFRONT_RETURN_IF_ERROR(CheckLength("min_edge", o.min_edge));
@@ -167,8 +190,15 @@ absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& co
   const Clock::time_point start = Clock::now();
   MESHFRONT_ASSIGN_OR_RETURN(Preparation p, Prepare(std::move(problem), context));
   const double prepared = SecondsSince(start);
-  OutgoingSink outgoing(sink, p.scale, start);
+  const std::vector<uint32_t> border = p.region ? BorderOf(*p.region, *p.surface) : std::vector<uint32_t>();
+  std::optional<RegionSink> joined;
+  if (p.region) joined.emplace(sink, border, *p.region);
+  OutgoingSink outgoing(joined ? *joined : sink, p.scale, start);
   const auto predicted = static_cast<uint64_t>(std::min(p.predicted_triangles, 1e18));
+  if (joined) {
+    if (!p.region->patch_only) outgoing.NoteChunk();
+    MESHFRONT_RETURN_IF_ERROR(joined->SendRest());
+  }
   MESHFRONT_ASSIGN_OR_RETURN(const Attempt attempt, AdvanceInAttempts(p, outgoing, context));
   p.parameters = attempt.parameters;
   p.parameter = attempt.parameter;
@@ -181,8 +211,11 @@ absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& co
   const auto curvatures = p.surface->vertex_curvatures();
   const double peak = curvatures.empty() ? 0 : *std::max_element(curvatures.begin(), curvatures.end());
   report.error_bound = ErrorBoundInForce(p, front.longest_edge, peak);
-  report.output = TopologyOf(front);
-  report.complete = front.open_places.empty() && !attempt.has_other_topology;
+  report.output = joined ? MeasureTopology(joined->sent()) : TopologyOf(front);
+  const bool is_whole_region = joined && !p.region->patch_only && front.open_places.empty();
+  const bool has_other_topology =
+      attempt.has_other_topology || (is_whole_region && HasOtherTopology(report.output, p.input.topology));
+  report.complete = front.open_places.empty() && !has_other_topology;
   report.open_places = front.open_places;
   report.quality.radius_ratio_min = front.quality.radius_ratio_min;
   report.quality.radius_ratio_p0_5 = front.quality.radius_ratio_p0_5;
@@ -202,7 +235,8 @@ absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& co
   Scale(p, report);
   WarnOfDeviations(front, p.scale, report);
   WarnOfFaults(attempt, report);
-  if (attempt.has_other_topology) report.warnings.push_back(OtherTopology(p.input.topology, report.output));
+  if (has_other_topology) report.warnings.push_back(OtherTopology(p.input.topology, report.output));
+  ReportRegion(p, front, report);
   return report;
 } catch (const std::exception&) {
   return StatusOfException();
@@ -240,7 +274,7 @@ absl::StatusOr<Estimate> EstimateRemesh(Problem problem, const Context& context)
   estimate.parameters.min_edge /= p.scale;
   estimate.parameters.max_edge /= p.scale;
   constexpr uint64_t kBytesPerInputTriangle = 200, kFixedBytes = 32 << 20;  // measured peaks, rounded up
-  estimate.memory_bytes = kFixedBytes + kBytesPerInputTriangle * mesh.triangles.size();
+  estimate.memory_bytes = kFixedBytes + kBytesPerInputTriangle * p.input.topology.triangles;
   return estimate;
 } catch (const std::exception&) {
   return StatusOfException();

@@ -13,6 +13,7 @@
 #include "core/mesh/repair.h"
 #include "core/mesh/topology.h"
 #include "core/mesh/triangle_mesh.h"
+#include "core/region.h"
 
 namespace meshfront {
 
@@ -43,6 +44,9 @@ struct RemeshOptions {
   std::optional<Length> max_edge;
   // Edges across which the surface turns by more than this are kept as creases: degrees, (0, 180); none: nothing is.
   std::optional<double> crease_angle = 40;
+  // Where a region is remeshed: the width of the size transition at its border, in edges of the border, [0, 1000]; at least
+  // 1 / (1 − 1/eta), beyond which sizes can't change faster.
+  double blend = 8;
   bool flips = true;   // edge flips behind the front
   bool smooth = true;  // guarded smoothing and optimisation behind the front
   bool fit = true;     // vertices moved along the normal to fit the surface between them
@@ -56,10 +60,16 @@ absl::Status ValidateOptions(const RemeshOptions& options);
 // false, but leaves slivers alone then, and always without crease_angle, as there are no creases. `options` must be valid. Errors of
 // RepairMesh; ResourceExhausted: no memory. Stops with the context; deterministic.
 absl::StatusOr<RepairResult> RepairInput(TriangleMesh mesh, const RemeshOptions& options, const Context& context);
+// The same where a region of it is to be remeshed: slivers and the direction of components stay.
+absl::StatusOr<RepairResult> RepairInputOfRegion(TriangleMesh mesh, const Context& context);
 
 struct Problem {
   TriangleMesh mesh;  // as read; consumed
   RemeshOptions options;
+  // The part to remesh; none: all of it. The faces beside it come back with the bits of their coordinates and their cyclic order, before
+  // the new ones; the vertices on its border stay, and are joined to both. Repairs, of the whole, leave slivers and the direction of
+  // components alone then. target_triangles counts the new triangles.
+  std::optional<Region> region;
 };
 
 struct InputReport {
@@ -88,11 +98,12 @@ struct Report {
   uint64_t predicted_triangles = 0;  // before any was made
   double error_bound =
       0;  // eq. 7 with the longest edge and the angle in force, absolute; max_error where that is held constant
-  TopologyReport output;
-  bool complete = true;  // false: open_places lists where the mesh could not be closed
+  TopologyReport output;  // of all that was handed on
+  bool complete = true;   // false: open_places lists where the mesh could not be closed
   std::vector<Vec3> open_places;
-  std::vector<std::string> warnings;  // what the caller should know of the result, one sentence each
-  struct {
+  std::vector<std::string> warnings;   // what the caller should know of the result, one sentence each
+  std::optional<RegionReport> region;  // where one was asked for
+  struct {                             // of the triangles that were made
     double radius_ratio_min = 0, radius_ratio_p0_5 = 0, radius_ratio_median = 0, min_angle_deg = 0;
   } quality;
   struct {

@@ -16,9 +16,10 @@ namespace meshfront {
 // Elements may straddle blocks. The vector grows with what came, never beyond what was announced.
 class ArrayWriter {
  public:
-  // Three doubles (or floats, widened) an element. The vector outlives the writer, as in the other two.
+  // Three doubles (or floats, widened) an element. The vector outlives the writer, as in the others.
   static ArrayWriter ForPoints(v1::Array array, std::vector<Vec3>* out, uint64_t count, v1::ScalarType scalar_type);
   static ArrayWriter ForTriangles(std::vector<Triangle>* out, uint64_t count);
+  static ArrayWriter ForNumbers(v1::Array array, std::vector<uint32_t>* out, uint64_t count);
   static ArrayWriter ForFile(std::vector<uint8_t>* out, uint64_t bytes);
   // Counted and checked, but not kept.
   static ArrayWriter ForNothing(v1::Array array, uint64_t bytes);

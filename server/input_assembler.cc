@@ -1,6 +1,7 @@
 #include "server/input_assembler.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
@@ -84,6 +85,7 @@ absl::Status InputAssembler::Accept(const v1::Header& header) {
     case v1::Header::INPUT_NOT_SET:
       return absl::InvalidArgumentError("header.input is not set; it must be mesh, points or file");
   }
+  MESHFRONT_RETURN_IF_ERROR(AnnounceRegion(header.options()));
   uint64_t announced = 0;
   for (const ArrayWriter& array : arrays_) announced += array.announced_memory();
   MESHFRONT_RETURN_IF_ERROR(CheckCount("header.input in bytes", announced, limits_.max_input_bytes));
@@ -133,6 +135,15 @@ absl::Status InputAssembler::AnnounceFile(const v1::WholeFile& file) {
         "file.format is not set or not known and file.name has no known extension; one of them must say what it is");
   }
   arrays_.push_back(ArrayWriter::ForFile(&input_.file, file.size_bytes()));
+  return absl::OkStatus();
+}
+
+absl::Status InputAssembler::AnnounceRegion(const v1::RemeshOptions& options) {
+  MESHFRONT_ASSIGN_OR_RETURN(input_.region, RegionFromProto(options));
+  if (!options.region().has_face_count()) return absl::OkStatus();
+  const uint64_t count = options.region().face_count();
+  MESHFRONT_RETURN_IF_ERROR(CheckCount("options.region.face_count", count, limits_.max_triangles));
+  arrays_.push_back(ArrayWriter::ForNumbers(v1::ARRAY_REGION_FACES, &region_faces_, count));
   return absl::OkStatus();
 }
 
@@ -207,6 +218,7 @@ absl::Status InputAssembler::Accept(const v1::EndOfInput& end) {
   }
   if (!end.sha256().empty() && end.sha256() != sha256_.Finish()) return ChecksumError("end.sha256", {});
   for (Vec3& normal : input_.mesh.normals) normal = IsFinite(normal) ? Normalized(normal) : Vec3{};
+  if (!region_faces_.empty()) input_.region->shape = std::exchange(region_faces_, {});
   state_ = State::kWhole;
   return absl::OkStatus();
 }

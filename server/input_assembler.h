@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ namespace meshfront {
 // An upload that is whole: a mesh, or a file that is still to be parsed (`file` not empty).
 struct AssembledInput {
   TriangleMesh mesh;
+  std::optional<Region> region;  // the part of it to remesh
   std::vector<uint8_t> file;
   Format format = Format::kUnknown;
   std::string file_name;
@@ -67,6 +69,7 @@ class InputAssembler {
   absl::Status AnnounceMesh(const v1::MeshArrays& mesh);
   absl::Status AnnouncePoints(const v1::PointSet& points);
   absl::Status AnnounceFile(const v1::WholeFile& file);
+  absl::Status AnnounceRegion(const v1::RemeshOptions& options);
   absl::Status CheckNewIndices();
   uint64_t GrowthFor(const v1::DataBlock& block);
   ArrayWriter* Find(v1::Array array);
@@ -82,6 +85,7 @@ class InputAssembler {
   uint64_t bytes_ = 0;
   Sha256 sha256_;
   AssembledInput input_;
+  std::vector<uint32_t> region_faces_;
   std::vector<ArrayWriter> arrays_;
 };
 

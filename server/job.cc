@@ -11,6 +11,7 @@
 #include "core/base/exceptions.h"
 #include "core/base/status_macros.h"
 #include "proto/wire/convert.h"
+#include "proto/wire/crc32c.h"
 #include "proto/wire/errors.h"
 #include "server/stream_sink.h"
 #include "server/version.h"
@@ -31,6 +32,7 @@ uint64_t PeakRssBytes() {
 
 struct ParsedInput {
   TriangleMesh mesh;
+  std::optional<Region> region;
   std::vector<std::string> warnings;
   std::vector<std::string> dropped_attributes;
 };
@@ -48,7 +50,7 @@ absl::StatusOr<ParsedInput> ParseFile(const ServiceState& state, PendingBytes::L
   limits.admit = [&, held = lease.held()](uint64_t bytes) { return lease.Hold(held + bytes); };
   MESHFRONT_ASSIGN_OR_RETURN(ReadResult read, ReadMesh(input.file, input.format, input.file_name, limits));
   MESHFRONT_RETURN_IF_ERROR(lease.Hold(AllocatedBytes(read.mesh)));  // the bytes of the file go with this call's end
-  return ParsedInput{std::move(read.mesh), std::move(read.warnings), {}};
+  return ParsedInput{std::move(read.mesh), std::nullopt, std::move(read.warnings), {}};
 }
 
 absl::StatusOr<ParsedInput> ParseInput(const ServiceState& state, Job& job) {
@@ -59,6 +61,7 @@ absl::StatusOr<ParsedInput> ParseInput(const ServiceState& state, Job& job) {
   } else {
     MESHFRONT_ASSIGN_OR_RETURN(parsed, ParseFile(state, job.lease, input));
   }
+  parsed.region = std::move(input.region);
   parsed.dropped_attributes = parsed.mesh.dropped_attributes;
   return parsed;
 }
@@ -136,6 +139,18 @@ void FillSummary(const Job& job, const JobTimes& times, const StreamSink& sink, 
   summary.set_server_peak_rss_bytes(PeakRssBytes());
 }
 
+absl::Status SendRemovedFaces(const Job& job, const std::vector<uint32_t>& faces) {
+  const size_t most = job.output.chunk_bytes() / sizeof(uint32_t);
+  for (size_t begin = 0; begin < faces.size(); begin += most) {
+    v1::MeshEvent event;
+    v1::RemovedFaces& removed = *event.mutable_removed();
+    removed.set_faces(faces.data() + begin, sizeof(uint32_t) * std::min(most, faces.size() - begin));
+    removed.set_crc32c(Crc32c(removed.faces()));
+    MESHFRONT_RETURN_IF_ERROR(job.events->Push(std::move(event)));
+  }
+  return absl::OkStatus();
+}
+
 absl::Status RemeshBody(ServiceState& state, Job& job) {
   JobTimes times;
   times.started = absl::Now();
@@ -145,10 +160,12 @@ absl::Status RemeshBody(ServiceState& state, Job& job) {
   MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
   MESHFRONT_RETURN_IF_ERROR(AnnounceDefects(job, input.mesh));
   StreamSink sink(*job.events, job.output);
-  MESHFRONT_ASSIGN_OR_RETURN(const Report report,
-                             state.engine.remesh({std::move(input.mesh), job.options}, sink, context));
+  MESHFRONT_ASSIGN_OR_RETURN(
+      const Report report,
+      state.engine.remesh({std::move(input.mesh), job.options, std::move(input.region)}, sink, context));
   times.done = absl::Now();
   MESHFRONT_RETURN_IF_ERROR(sink.Flush());
+  if (report.region) MESHFRONT_RETURN_IF_ERROR(SendRemovedFaces(job, report.region->removed_faces));
   job.summary = SummaryFromReport(report);
   FillCommon(input, job.summary);
   FillSummary(job, times, sink, job.summary);
@@ -166,8 +183,9 @@ absl::Status EstimateBody(ServiceState& state, Job& job) {
   Context context = ContextOf(state, job, times.started);
   context.progress = nullptr;
   MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
-  MESHFRONT_ASSIGN_OR_RETURN(const Estimate estimate,
-                             state.engine.estimate({std::move(input.mesh), job.options}, context));
+  MESHFRONT_ASSIGN_OR_RETURN(
+      const Estimate estimate,
+      state.engine.estimate({std::move(input.mesh), job.options, std::move(input.region)}, context));
   times.done = absl::Now();
   job.estimate = EstimateToProto(estimate);
   FillCommon(input, job.estimate);

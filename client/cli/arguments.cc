@@ -1,13 +1,16 @@
 #include "client/cli/arguments.h"
 
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <numbers>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
+#include "absl/types/span.h"
 #include "core/base/status_macros.h"
 #include "proto/wire/host_port.h"
 
@@ -125,6 +128,59 @@ absl::Status CheckValues(const MeshingFlags& flags) {
   return absl::OkStatus();
 }
 
+constexpr char kFacesPrefix[] = "faces:";
+
+absl::StatusOr<std::vector<double>> ParseNumbers(absl::string_view spec, absl::string_view list, size_t count,
+                                                 absl::string_view rule) {
+  std::vector<double> numbers;
+  for (const absl::string_view text : absl::StrSplit(list, ',')) {
+    double value;
+    if (!absl::SimpleAtod(text, &value) || !std::isfinite(value)) return WrongValue("--region", spec, rule);
+    numbers.push_back(value);
+  }
+  if (numbers.size() != count) return WrongValue("--region", spec, rule);
+  return numbers;
+}
+
+void SetPoint(absl::Span<const double> coordinates, v1::Point* point) {
+  point->set_x(coordinates[0]), point->set_y(coordinates[1]), point->set_z(coordinates[2]);
+}
+
+absl::Status ParseSphere(absl::string_view spec, absl::string_view list, v1::Region* region) {
+  constexpr absl::string_view rule = "sphere:x,y,z,r with four finite numbers, the radius r positive";
+  MESHFRONT_ASSIGN_OR_RETURN(const std::vector<double> n, ParseNumbers(spec, list, 4, rule));
+  if (n[3] <= 0) return WrongValue("--region", spec, rule);
+  SetPoint(absl::MakeConstSpan(n).first(3), region->mutable_sphere()->mutable_center());
+  region->mutable_sphere()->set_radius(n[3]);
+  return absl::OkStatus();
+}
+
+absl::Status ParseBox(absl::string_view spec, absl::string_view list, v1::Region* region) {
+  constexpr absl::string_view rule =
+      "box:x0,y0,z0,x1,y1,z1 with six finite numbers, none of the first three above its twin";
+  MESHFRONT_ASSIGN_OR_RETURN(const std::vector<double> n, ParseNumbers(spec, list, 6, rule));
+  if (n[0] > n[3] || n[1] > n[4] || n[2] > n[5]) return WrongValue("--region", spec, rule);
+  SetPoint(absl::MakeConstSpan(n).first(3), region->mutable_box()->mutable_min());
+  SetPoint(absl::MakeConstSpan(n).last(3), region->mutable_box()->mutable_max());
+  return absl::OkStatus();
+}
+
+// Faces are read later, and counted then.
+absl::Status FillRegion(const MeshingFlags& flags, v1::RemeshOptions* options) {
+  if (flags.blend && !flags.region)
+    return absl::InvalidArgumentError("--blend needs --region: it is the width of its border");
+  if (flags.blend) {
+    MESHFRONT_ASSIGN_OR_RETURN(const double blend, ParseNumber("--blend", *flags.blend, kBlend));
+    options->set_blend(blend);
+  }
+  if (!flags.region) return absl::OkStatus();
+  absl::string_view list = *flags.region;
+  if (absl::ConsumePrefix(&list, "sphere:")) return ParseSphere(*flags.region, list, options->mutable_region());
+  if (absl::ConsumePrefix(&list, "box:")) return ParseBox(*flags.region, list, options->mutable_region());
+  if (absl::ConsumePrefix(&list, kFacesPrefix) && !list.empty()) return absl::OkStatus();
+  return WrongValue("--region", *flags.region, "sphere:x,y,z,r or box:x0,y0,z0,x1,y1,z1 or faces:FILE");
+}
+
 absl::Status CheckSizingFlags(const MeshingFlags& flags, v1::Sizing sizing) {
   const std::vector<std::pair<const char*, const Text*>> exclusive = {{"--rho", &flags.rho},
                                                                       {"--max-error", &flags.max_error},
@@ -148,8 +204,6 @@ absl::Status CheckSizingFlags(const MeshingFlags& flags, v1::Sizing sizing) {
 
 absl::Status CheckBuilt(const MeshingFlags& flags) {
   if (flags.features) return NotYet("--features");
-  if (flags.region) return NotYet("--region");
-  if (flags.blend) return NotYet("--blend");
   if (flags.surface == "mls" || flags.surface == "imls") return NotYet(absl::StrCat("--surface ", *flags.surface));
   if (flags.mls_radius) return NotYet("--mls-radius");
   if (!flags.seed_points.empty()) return NotYet("--seed-point");
@@ -231,6 +285,7 @@ absl::StatusOr<v1::RemeshOptions> ParseMeshingFlags(const MeshingFlags& flags) {
   MESHFRONT_ASSIGN_OR_RETURN(const v1::Sizing sizing, ParseSizing(flags));
   MESHFRONT_RETURN_IF_ERROR(CheckSizingFlags(flags, sizing));
   MESHFRONT_RETURN_IF_ERROR(CheckBuilt(flags));
+  MESHFRONT_RETURN_IF_ERROR(FillRegion(flags, &options));
   options.set_sizing(sizing);
   if (flags.crease_angle == "off") options.mutable_crease()->set_off(true);
   if (flags.crease_angle && *flags.crease_angle != "off") {
@@ -240,6 +295,27 @@ absl::StatusOr<v1::RemeshOptions> ParseMeshingFlags(const MeshingFlags& flags) {
   if (flags.attributes == "drop") options.set_attributes(v1::ATTRIBUTE_POLICY_DROP);
   if (flags.surface == "mesh") options.set_surface(v1::SURFACE_TYPE_MESH);
   return options;
+}
+
+absl::StatusOr<std::vector<uint32_t>> ReadRegionFaces(const Text& region) {
+  std::vector<uint32_t> faces;
+  absl::string_view path = region ? absl::string_view(*region) : "";
+  if (!absl::ConsumePrefix(&path, kFacesPrefix)) return faces;
+  std::ifstream file{std::string(path)};
+  if (!file) return absl::InvalidArgumentError(absl::StrCat("--region names the file ", path, ", which can't be read"));
+  std::string line;
+  for (uint64_t number = 1; std::getline(file, line); ++number) {
+    const absl::string_view text = absl::StripAsciiWhitespace(line);
+    if (text.empty()) continue;
+    uint32_t face;
+    if (!absl::SimpleAtoi(text, &face)) {
+      return absl::InvalidArgumentError(absl::StrCat(path, " has \"", text.substr(0, 40), "\" in line ", number,
+                                                     "; it must be the number of a face"));
+    }
+    faces.push_back(face);
+  }
+  if (!faces.empty()) return faces;
+  return absl::InvalidArgumentError(absl::StrCat(path, " names no face; --region needs at least one"));
 }
 
 absl::StatusOr<double> ParseTimeout(const Text& timeout) {

@@ -33,7 +33,8 @@ struct RemeshArguments {
   std::string in, out;
   MeshingFlags meshing;
   CallFlags call;
-  std::string stats, trace, picture, write_repaired;  // paths, empty: not wanted
+  std::string stats, trace, picture, write_repaired, removed;  // paths, empty: not wanted
+  bool patch_only = false;
   bool quiet = false;
 };
 
@@ -59,6 +60,9 @@ struct RenderArguments {
 // The options to send: what was given and nothing else. InvalidArgument in one sentence: a value out of its range, flags that
 // contradict one another, or a flag that is documented but does nothing yet ("not yet").
 absl::StatusOr<v1::RemeshOptions> ParseMeshingFlags(const MeshingFlags& flags);
+// The faces that --region faces:FILE names, one number a line; empty for another region or none. InvalidArgument with the file and the
+// line: it can't be read, or a line is no number.
+absl::StatusOr<std::vector<uint32_t>> ReadRegionFaces(const MeshingFlags::Text& region);
 // Seconds, > 0; infinity when not given.
 absl::StatusOr<double> ParseTimeout(const MeshingFlags::Text& timeout);
 // HOST:PORT with a port in 1..65535.

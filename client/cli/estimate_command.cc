@@ -23,6 +23,7 @@ struct EstimateCall {
 absl::StatusOr<EstimateCall> Parse(const EstimateArguments& arguments) {
   EstimateCall parsed;
   MESHFRONT_ASSIGN_OR_RETURN(parsed.call.options, ParseMeshingFlags(arguments.meshing));
+  MESHFRONT_ASSIGN_OR_RETURN(parsed.call.region_faces, ReadRegionFaces(arguments.meshing.region));
   MESHFRONT_ASSIGN_OR_RETURN(parsed.timeout, ParseTimeout(arguments.call.timeout));
   if (!arguments.call.server.empty()) MESHFRONT_RETURN_IF_ERROR(CheckServerAddress(arguments.call.server));
   MESHFRONT_ASSIGN_OR_RETURN(parsed.format, FormatFor(arguments.in, arguments.call.in_format, "--in-format"));

@@ -51,8 +51,11 @@ void AddMeshingFlags(CLI::App* command, MeshingFlags* flags) {
                       "keep, drop: UV, colours, materials, … (not yet: dropped with a warning)");
   command->add_option("--surface", flags->surface, "auto, mesh; mls and imls: not yet [auto]");
   command->add_option("--features", flags->features, "extra feature polylines (not yet)");
-  command->add_option("--region", flags->region, "remesh only a part (not yet)");
-  command->add_option("--blend", flags->blend, "width of the size transition at a border (not yet)");
+  command->add_option("--region", flags->region,
+                      "remesh only the faces inside sphere:x,y,z,r or box:x0,y0,z0,x1,y1,z1, or faces:FILE (numbers "
+                      "from 0, one a line)");
+  command->add_option("--blend", flags->blend,
+                      "width of the size transition at the region's border, in edges of the border [8]");
   command->add_option("--mls-radius", flags->mls_radius, "support radius of MLS surfaces (not yet)");
   command->add_option("--seed-point", flags->seed_points, "a point near an intersection curve (not yet)");
 }
@@ -74,6 +77,9 @@ void AddRemesh(CLI::App* program, RemeshArguments* arguments) {
   command->add_option("--stats", arguments->stats, "write what was done, and how well, as JSON");
   command->add_option("--trace", arguments->trace, "write one JSON line per chunk received");
   command->add_option("--picture", arguments->picture, "write a before/after wireframe picture (PNG)");
+  command->add_flag("--patch-only", arguments->patch_only, "write the new triangles of the region alone");
+  command->add_option("--removed", arguments->removed,
+                      "with --patch-only: write the numbers of the faces they replace");
   command->add_option("--write-repaired", arguments->write_repaired, "write the input as it was meshed, after repair");
   command->add_flag("--quiet", arguments->quiet, "no progress bar (also when standard error is no terminal)");
 }

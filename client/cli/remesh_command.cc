@@ -39,7 +39,7 @@ class RemeshCommand {
     using Step = ExitCode (RemeshCommand::*)();
     constexpr Step steps[] = {&RemeshCommand::ParseArguments, &RemeshCommand::CheckOutputs, &RemeshCommand::ReadMesh,
                               &RemeshCommand::UseInput,       &RemeshCommand::Call,         &RemeshCommand::WriteResult,
-                              &RemeshCommand::WritePicture,   &RemeshCommand::WriteStats};
+                              &RemeshCommand::WriteRemoved,   &RemeshCommand::WritePicture, &RemeshCommand::WriteStats};
     for (const Step step : steps) {
       const ExitCode code = (this->*step)();
       if (code != ExitCode::kDone) return code;
@@ -55,6 +55,7 @@ class RemeshCommand {
 
   absl::Status TryParseArguments() {
     MESHFRONT_ASSIGN_OR_RETURN(call_.options, ParseMeshingFlags(arguments_.meshing));
+    MESHFRONT_RETURN_IF_ERROR(ParseRegion());
     MESHFRONT_ASSIGN_OR_RETURN(timeout_, ParseTimeout(arguments_.call.timeout));
     if (remote()) MESHFRONT_RETURN_IF_ERROR(CheckServerAddress(arguments_.call.server));
     MESHFRONT_ASSIGN_OR_RETURN(in_format_, FormatFor(arguments_.in, arguments_.call.in_format, "--in-format"));
@@ -68,6 +69,16 @@ class RemeshCommand {
     MESHFRONT_RETURN_IF_ERROR(CheckNoneCollide(Outputs()));
     call_.output.set_scalar_type(v1::SCALAR_TYPE_FLOAT64);
     call_.output.set_normals(HoldsNormals(out_format_));
+    return absl::OkStatus();
+  }
+
+  absl::Status ParseRegion() {
+    if (arguments_.patch_only && !arguments_.meshing.region)
+      return absl::InvalidArgumentError("--patch-only needs --region: the patch is what is made of that");
+    if (!arguments_.removed.empty() && !arguments_.patch_only)
+      return absl::InvalidArgumentError("--removed needs --patch-only; without it the rest is in OUT already");
+    MESHFRONT_ASSIGN_OR_RETURN(call_.region_faces, ReadRegionFaces(arguments_.meshing.region));
+    if (arguments_.patch_only) call_.options.mutable_region()->set_patch_only(true);
     return absl::OkStatus();
   }
 
@@ -88,7 +99,8 @@ class RemeshCommand {
             {"--stats", arguments_.stats},
             {"--trace", arguments_.trace},
             {"--picture", arguments_.picture},
-            {"--write-repaired", arguments_.write_repaired}};
+            {"--write-repaired", arguments_.write_repaired},
+            {"--removed", arguments_.removed}};
   }
 
   ExitCode CheckOutputs() {
@@ -121,7 +133,10 @@ class RemeshCommand {
     Context context;
     const absl::StatusOr<RemeshOptions> options = OptionsFromProto(call_.options);
     if (!options.ok()) return Fail(ExitCode::kUsage, options.status());
-    absl::StatusOr<RepairResult> repaired = repair ? RepairInput(input_, *options, context) : RepairResult{input_, {}};
+    const auto mended = [&] {
+      return arguments_.meshing.region ? RepairInputOfRegion(input_, context) : RepairInput(input_, *options, context);
+    };
+    absl::StatusOr<RepairResult> repaired = repair ? mended() : RepairResult{input_, {}};
     if (!repaired.ok()) return FailCall(repaired.status(), called_with());
     const absl::Status written = WriteMeshFile(arguments_.write_repaired, repaired->mesh);
     return written.ok() ? ExitCode::kDone : Fail(ExitCode::kOutput, written);
@@ -156,6 +171,7 @@ class RemeshCommand {
     absl::StatusOr<v1::Summary> summary = (*connection)->client().Remesh(std::move(input_), call_, collector);
     bar.Clear();
     collector.FillFigures(remote(), &figures_);
+    removed_ = collector.removed_faces();
     // A trace of a failed job is worth keeping, and its own failure must not hide the job's.
     absl::Status finished = trace == nullptr ? absl::OkStatus() : trace->Commit();
     if (!collector.local_error().ok()) return Fail(ExitCode::kOutput, collector.local_error());
@@ -195,6 +211,14 @@ class RemeshCommand {
     MESHFRONT_RETURN_IF_ERROR(WriteSpool(*spool_, out_format_, out->sink()));
     if (interruption_.requested()) return absl::CancelledError("cancelled");
     return out->Commit();
+  }
+
+  ExitCode WriteRemoved() {
+    if (arguments_.removed.empty()) return ExitCode::kDone;
+    std::string lines;
+    for (const uint32_t face : removed_) absl::StrAppend(&lines, face, "\n");
+    const absl::Status written = WriteWholeFile(arguments_.removed, lines);
+    return written.ok() ? ExitCode::kDone : Fail(ExitCode::kOutput, written);
   }
 
   ExitCode WritePicture() {
@@ -248,6 +272,7 @@ class RemeshCommand {
   Format in_format_ = Format::kUnknown, out_format_ = Format::kUnknown;
   TriangleMesh input_;
   std::vector<std::string> warnings_;
+  std::vector<uint32_t> removed_;
   std::optional<BeforeAfterPicture> picture_;
   std::optional<ChunkSpool> spool_;
   v1::Summary summary_;

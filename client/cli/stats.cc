@@ -126,6 +126,13 @@ Json StatsJson(const std::string& version, const v1::Summary& summary, const Cli
       {"peak_front_edges", summary.peak_front_edges()},
       {"chunks", client.chunks},
       {"threads", summary.threads()}};
+  if (summary.has_region()) {
+    const v1::RegionSummary& region = summary.region();
+    stats["region"] = {{"kept_triangles", region.kept_triangles()},
+                       {"replaced_triangles", region.replaced_triangles()},
+                       {"new_triangles", region.new_triangles()},
+                       {"blend", summary.parameters().options().blend()}};
+  }
   if (client.remote) {
     stats["server_peak_rss_bytes"] = summary.server_peak_rss_bytes();
     stats["server_version"] = summary.version();

@@ -61,6 +61,7 @@ class LoopBuilder {
     NumberJoints();
     std::vector<OrientedLoop> loops;
     for (size_t i = 0; i < rims_.size(); ++i) loops.push_back(LoopOf(runs_[i]));
+    for (const auto& [u, v] : surface_.taken()) loops[0].taken.push_back({node_joints_.at(u), node_joints_.at(v)});
     return loops;
   }
 
@@ -131,8 +132,9 @@ void LoopBuilder::FindLeastPoints() {
   for (const FeatureCurve& c : curves) {
     if (!c.closed) ++between[ends_of(c)];
   }
+  for (const Ends& ends : surface_.taken()) ++between[ends];
   for (size_t i = 0; i < curves.size(); ++i) {
-    if (curves[i].closed) continue;
+    if (curves[i].closed || curves[i].is_border) continue;
     if (curves[i].start() == curves[i].end())
       least_[i] = 3;
     else if (between[ends_of(curves[i])] > 1)
@@ -180,6 +182,11 @@ void LoopBuilder::DivideLike(size_t curve, const Twin& twin) {
 }
 
 absl::Status LoopBuilder::Divide(size_t curve, const GuidanceField& field, const Context& context) {
+  if (graph_.curves()[curve].is_border) {
+    points_[curve] = {{0, 0}};
+    places_[curve] = {surface_.mesh().positions[graph_.curves()[curve].start()]};
+    return absl::OkStatus();
+  }
   if (twins_[curve].curve != kNoHalfEdge && points_[twins_[curve].curve].size() >= least_[curve]) {
     DivideLike(curve, twins_[curve]);
     return absl::OkStatus();
@@ -207,6 +214,7 @@ absl::Status LoopBuilder::SplitTwins(const GuidanceField& field, const Context& 
     std::sort(curves.begin(), curves.end());
     if (points > 3 || triangles.insert(curves).second) continue;
     for (const uint32_t c : curves) {
+      if (graph_.curves()[c].is_border) continue;
       least_[c] = points_[c].size() + 1;
       MESHFRONT_RETURN_IF_ERROR(Divide(c, field, context));
     }
@@ -214,8 +222,10 @@ absl::Status LoopBuilder::SplitTwins(const GuidanceField& field, const Context& 
   return absl::OkStatus();
 }
 
+// Those on the border of a region first, in the order in which the surface lists them.
 void LoopBuilder::NumberJoints() {
   uint32_t next = 0;
+  for (const uint32_t v : surface_.border_vertices()) node_joints_.emplace(v, next++);
   const auto& curves = graph_.curves();
   for (size_t i = 0; i < curves.size(); ++i) {
     first_joint_.push_back(curves[i].is_crease ? next : kNoJoint);
@@ -238,7 +248,7 @@ LoopBuilder::Passed LoopBuilder::PassPoint(const Run& run, size_t i) const {
   const size_t at = run.forward ? i : (points.size() - i) % points.size();
   const CurvePoint& p = points[at];
   Passed passed;
-  passed.on_crease = curve.is_crease;
+  passed.on_crease = curve.is_crease || curve.is_border;
   if (run.forward)
     passed.place = PlaceOn(surface_, curve.forward[p.segment], p.t);
   else if (i == 0 && !curve.closed)
@@ -280,8 +290,10 @@ OrientedLoop LoopBuilder::LoopOf(const std::vector<Run>& runs) const {
 absl::StatusOr<std::vector<SizingSample>> BoundarySizingSamples(
     const MeshSurface& surface, absl::FunctionRef<double(double max_curvature)> ideal_length, const Context& context) {
   std::vector<SizingSample> samples;
+  const auto border = surface.border_vertices();
   for (const Rim& rim : RimsOf(surface)) {
     MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
+    if (std::all_of(rim.begin(), rim.end(), [&](uint32_t h) { return surface.IsBorder(h); })) continue;
     const Curve curve = CurveOf(surface, rim);
     // Creases are divided from node to node, whatever the length of the patch's rim.
     const bool on_crease =
@@ -293,6 +305,8 @@ absl::StatusOr<std::vector<SizingSample>> BoundarySizingSamples(
     for (double& value : smooth) value = std::min(longest, ideal_length(value));
     MESHFRONT_ASSIGN_OR_RETURN(const std::vector<double> chords, LongestChords(curve, smooth, ideal_length, context));
     for (size_t i = 0; i < curve.size(); ++i) {
+      const uint32_t v = surface.OriginalOf(OriginOf(surface.mesh(), rim[i]));
+      if (std::binary_search(border.begin(), border.end(), v)) continue;
       if (chords[i] > 0) samples.push_back({curve[i], std::max(chords[i], least)});
     }
   }

@@ -12,17 +12,21 @@
 
 namespace meshfront {
 
-// One sizing sample per rim vertex: `ideal_length` of the rim's own curvature there, at most a quarter of the rim's length.
-// To be added to the surface's samples before the field is made. Stops with the context. About 0.2 µs a rim vertex.
+// One sizing sample per rim vertex: `ideal_length` of the rim's own curvature there, at most a quarter of the rim's
+// length. To be added to the surface's samples before the field is made. None on the border of a region. Stops with the
+// context. About 0.2 µs a rim vertex.
 absl::StatusOr<std::vector<SizingSample>> BoundarySizingSamples(
     const MeshSurface& surface, absl::FunctionRef<double(double max_curvature)> ideal_length, const Context& context);
 
-// One loop per rim of the surface and of its patches between creases, in the order of FindBoundaryLoops: at least three vertices on
-// the rim's edges, about g apart, sharp corners exactly. Each runs against the faces' half-edges, so that the surface lies on its
-// right. Each curve between two nodes of the feature graph is divided once, so that both sides of a crease have the same points;
-// curves that share both ends with others have one between them. Edges lie no farther than `max_sagitta` from the curve (absolute), unless
-// that took edges shorter than the field's shortest or a tenth of what they divide. ResourceExhausted when g is so small that a curve would get more
-// than 2^22 vertices; stops with the context. O(faces + points), about 0.1 µs a face where there are creases.
+// One loop per rim of the surface and of its patches between creases, in the order of FindBoundaryLoops: at least three
+// vertices on the rim's edges, about g apart, sharp corners exactly. Each runs against the faces' half-edges, so that
+// the surface lies on its right. Each curve between two nodes of the feature graph is divided once, so that both sides
+// of a crease have the same points; curves that share both ends with others have one between them. The border of a
+// region stays as it is, vertex for vertex: its joints are numbered first, in the order of
+// MeshSurface::border_vertices. Edges lie no farther than `max_sagitta` from the curve (absolute), unless that took
+// edges shorter than the field's shortest or a tenth of what they divide. ResourceExhausted when g is so small that a
+// curve would get more than 2^22 vertices; stops with the context. O(faces + points), about 0.1 µs a face where there
+// are creases.
 absl::StatusOr<std::vector<OrientedLoop>> BoundaryLoops(const MeshSurface& surface, const GuidanceField& field,
                                                         double max_sagitta, const Context& context);
 

@@ -11,13 +11,14 @@
 namespace meshfront {
 namespace {
 
-constexpr uint8_t kNodeByPlace = 255;  // instead of the degree 2
+constexpr uint8_t kNodeByPlace = 255;  // instead of the degree 2, as for nodes on the border of a region
 
 }  // namespace
 
 FeatureGraph::FeatureGraph(const MeshSurface& surface) : surface_(surface) {
   CollectEdges();
   MakeNodesAlike();
+  MakeNodesOfBorder();
   place_.assign(names_.size(), {kNoHalfEdge, 0, true});
   for (const bool from_nodes : {true, false}) {
     for (uint32_t i = 0; i < names_.size(); ++i) {
@@ -68,6 +69,10 @@ void FeatureGraph::MakeNodesAlike() {
   }
 }
 
+void FeatureGraph::MakeNodesOfBorder() {
+  for (const uint32_t v : surface_.border_vertices()) degrees_[v] = kNodeByPlace;
+}
+
 // The other one of the two edges at a vertex that is no node.
 uint32_t FeatureGraph::NextEdge(uint32_t vertex, uint32_t edge) const {
   const uint32_t first = at_[begin_[vertex]];
@@ -78,6 +83,7 @@ void FeatureGraph::Trace(uint32_t edge, uint32_t from) {
   const auto number = static_cast<uint32_t>(curves_.size());
   FeatureCurve curve;
   curve.is_crease = surface_.AcrossCrease(names_[edge]) != kNoHalfEdge;
+  curve.is_border = surface_.IsBorder(names_[edge]);
   for (;;) {
     const uint32_t h = names_[edge], across = surface_.AcrossCrease(h);
     const bool along = OriginOfEdge(h) == from;

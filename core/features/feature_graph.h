@@ -16,6 +16,7 @@ struct FeatureCurve {
   std::vector<uint32_t> vertices;  // MeshSurface::OriginalOf, one for each segment and, when it is open, its end
   bool closed = false;
   bool is_crease = false;  // else a rim of the surface: one of the half-edges is missing
+  bool is_border = false;  // of a region: one edge, which stays as it is
 
   uint32_t start() const { return vertices.front(); }
   uint32_t end() const { return vertices.back(); }
@@ -27,8 +28,8 @@ struct CurveSegment {
   bool forward = true;
 };
 
-// Nodes are the vertices at which other than two feature edges meet, and those at the same places. Curves are in the order of their smallest half-edge, open ones
-// first; a closed one starts there. O(faces).
+// Nodes are the vertices at which other than two feature edges meet, those at the same places, and all on the border of
+// a region. Curves are in the order of their smallest half-edge, open ones first; a closed one starts there. O(faces).
 class FeatureGraph {
  public:
   explicit FeatureGraph(const MeshSurface& surface);
@@ -46,6 +47,7 @@ class FeatureGraph {
   uint32_t TargetOfEdge(uint32_t half_edge) const;
   void CollectEdges();
   void MakeNodesAlike();
+  void MakeNodesOfBorder();
   void Trace(uint32_t name, uint32_t from);
   uint32_t NextEdge(uint32_t vertex, uint32_t name) const;
 

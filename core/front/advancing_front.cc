@@ -230,6 +230,7 @@ void AdvancingFront::AttachJoints(const OrientedLoop& loop, const std::vector<Wi
   for (size_t i = 0; i < loop.creases.size(); ++i) {
     if (loop.creases[i]) fronts_.MarkCrease(vertices[i], vertices[(i + 1) % vertices.size()]);
   }
+  for (const auto& [u, v] : loop.taken) fronts_.MarkTaken(u, v);
 }
 
 void AdvancingFront::AddSeed(const SourcePoint& seed) {

@@ -49,8 +49,8 @@ void FrontSet::AttachJoint(WindowVertexId v, uint32_t joint) {
   ++joints_[joint].vertices;
 }
 
-uint64_t FrontSet::JointPair(WindowVertexId u, WindowVertexId v) const {
-  const auto [low, high] = std::minmax(at(u).joint, at(v).joint);
+uint64_t FrontSet::PairOf(uint32_t joint, uint32_t other) {
+  const auto [low, high] = std::minmax(joint, other);
   return uint64_t{low} << 32 | high;
 }
 

@@ -112,6 +112,8 @@ class FrontSet {
   // the other side has it too. `joint`: below 2^31.
   void AttachJoint(WindowVertexId v, uint32_t joint);
   void MarkCrease(WindowVertexId u, WindowVertexId v) { sides_at_joints_.try_emplace(JointPair(u, v), kOnCrease); }
+  // Joints that an edge outside of what is meshed joins: no edge here may.
+  void MarkTaken(uint32_t u, uint32_t v) { sides_at_joints_.try_emplace(PairOf(u, v), kOnCrease); }
   bool IsOnCrease(WindowVertexId u, WindowVertexId v) const;
   bool IsOnCrease(FrontEdgeId e) const { return IsOnCrease(From(e), To(e)); }
   // Triangles that have this edge of a crease as a side, on both of its sides, 0 to 2.
@@ -192,7 +194,8 @@ class FrontSet {
   void Join(Link half_edge, Link other);          // makes the two (half-edge, rim or settled) lie across each other
   void JoinBothWays(Link half_edge, Link other);  // and says so to a front edge, too
   void Chain(FrontEdgeId first, FrontEdgeId second);
-  uint64_t JointPair(WindowVertexId u, WindowVertexId v) const;
+  static uint64_t PairOf(uint32_t joint, uint32_t other);
+  uint64_t JointPair(WindowVertexId u, WindowVertexId v) const { return PairOf(at(u).joint, at(v).joint); }
   void CountSides(const WindowTriangle& t, int change);
   void CountSide(WindowVertexId u, WindowVertexId v, int change);
   FrontEdgeId CornerAfterRemoval(Link removed_side, const std::vector<FrontEdgeId>& made_at,

@@ -1,15 +1,21 @@
 // Where settled vertices and triangles go: a file, a gRPC stream, memory.
 #pragma once
 
+#include <cstdint>
+
 #include "absl/status/status.h"
 #include "absl/types/span.h"
 #include "core/mesh/triangle_mesh.h"
 
 namespace meshfront {
 
+// A vertex that is no joint.
+inline constexpr uint32_t kNoJoint = 0xffffffffu;
+
 struct OutputVertex {
   Vec3 position;
-  Vec3 normal;  // unit normal of the surface there
+  Vec3 normal;                // unit normal of the surface there
+  uint32_t joint = kNoJoint;  // its number among the joints of the initial fronts (oriented_loop.h)
 };
 
 // How a triangle came to be (sec. 3): with a new vertex at the lengths that the guidance field asks for, with an existing front

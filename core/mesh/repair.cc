@@ -61,13 +61,15 @@ bool HasUnreferenced(const FaceAdjacency& adjacency) {
 // Faces of which no surface can be made, by kind.
 bool DropUnusable(TriangleMesh& mesh, ActionCounts& actions) {
   uint64_t repeated = 0, not_finite = 0, huge = 0;
-  std::erase_if(mesh.triangles, [&](const Triangle& t) {
-    const FaceState state = StateOf(mesh, t);
+  std::vector<bool> unusable(mesh.triangles.size());
+  for (size_t f = 0; f < unusable.size(); ++f) {
+    const FaceState state = StateOf(mesh, mesh.triangles[f]);
     repeated += state == FaceState::kRepeatedIndex;
     not_finite += state == FaceState::kNotFinite;
     huge += state == FaceState::kHuge;
-    return state != FaceState::kSound && state != FaceState::kZeroArea;
-  });
+    unusable[f] = state != FaceState::kSound && state != FaceState::kZeroArea;
+  }
+  if (repeated + not_finite + huge > 0) DropTriangles(mesh, unusable);
   bool changed = actions.Add("dropped_non_finite_faces", not_finite);
   changed |= actions.Add("dropped_huge_faces", huge);
   return changed | actions.Add("dropped_degenerate_faces", repeated);
@@ -77,12 +79,10 @@ bool DropUnusable(TriangleMesh& mesh, ActionCounts& actions) {
 void DropFaces(TriangleMesh& mesh, const std::vector<bool>& dropped, std::vector<bool>& flags) {
   size_t kept = 0;
   for (size_t f = 0; f < dropped.size(); ++f) {
-    if (dropped[f]) continue;
-    flags[kept] = flags[f];
-    mesh.triangles[kept++] = mesh.triangles[f];
+    if (!dropped[f]) flags[kept++] = flags[f];
   }
-  mesh.triangles.resize(kept);
   flags.resize(kept);
+  DropTriangles(mesh, dropped);
 }
 
 // The faces that hang on an edge of two others by one side, and on nothing else.
@@ -214,9 +214,7 @@ absl::Status ValidateMeshable(const TriangleMesh& mesh, const MeshSurvey& survey
   return survey.unsound_faces < mesh.triangles.size() ? absl::OkStatus() : NothingLeft(mesh);
 }
 
-}  // namespace
-
-absl::StatusOr<RepairResult> RepairMesh(TriangleMesh mesh, const Context& context) {
+absl::StatusOr<RepairResult> Repair(TriangleMesh mesh, bool turns_outwards, const Context& context) {
   MESHFRONT_RETURN_IF_ERROR(ValidateIndices(mesh));
   MeshSurvey survey = Survey(mesh);
   MESHFRONT_RETURN_IF_ERROR(ValidateMeshable(mesh, survey));
@@ -231,7 +229,8 @@ absl::StatusOr<RepairResult> RepairMesh(TriangleMesh mesh, const Context& contex
     if (!clean && pass < kMostPasses && RepairPass(mesh, survey, actions)) continue;
     if (!adjacency) adjacency = FindManifoldAdjacency(mesh);
     if (!adjacency) return absl::InternalError("repair did not arrive at a manifold; please report this mesh");
-    if (actions.Add("reversed_components", TurnOutwards(mesh, *adjacency))) adjacency = CreateAdjacency(mesh);
+    if (turns_outwards && actions.Add("reversed_components", TurnOutwards(mesh, *adjacency)))
+      adjacency = CreateAdjacency(mesh);
     break;
   }
   if (mesh.triangles.empty()) {
@@ -241,6 +240,16 @@ absl::StatusOr<RepairResult> RepairMesh(TriangleMesh mesh, const Context& contex
   actions.Add("unreferenced_vertices", unreferenced);
   if (HasUnreferenced(*adjacency)) DropUnreferencedVertices(mesh, *adjacency);
   return RepairResult{std::move(mesh), actions.Take(), *std::move(adjacency)};
+}
+
+}  // namespace
+
+absl::StatusOr<RepairResult> RepairMesh(TriangleMesh mesh, const Context& context) {
+  return Repair(std::move(mesh), true, context);
+}
+
+absl::StatusOr<RepairResult> RepairMeshAsOriented(TriangleMesh mesh, const Context& context) {
+  return Repair(std::move(mesh), false, context);
 }
 
 }  // namespace meshfront

@@ -24,14 +24,6 @@ std::vector<uint32_t> ZeroAreaFaces(const TriangleMesh& mesh) {
   return faces;
 }
 
-void RemoveFaces(TriangleMesh& mesh, const std::vector<bool>& dropped) {
-  size_t kept = 0;
-  for (size_t f = 0; f < mesh.triangles.size(); ++f) {
-    if (!dropped[f]) mesh.triangles[kept++] = mesh.triangles[f];
-  }
-  mesh.triangles.resize(kept);
-}
-
 // How many faces lie at the sides of some triangles, sides at the same positions counted together.
 class SideCounts {
  public:
@@ -155,7 +147,7 @@ class CapFlipper {
     if (rest.empty()) return 0;
     std::vector<bool> dropped(mesh_.triangles.size(), false);
     for (const uint32_t f : rest) dropped[f] = true;
-    RemoveFaces(mesh_, dropped);
+    DropTriangles(mesh_, dropped);
     return rest.size();
   }
 
@@ -188,7 +180,7 @@ uint64_t DropNeedlesAndLooseCaps(TriangleMesh& mesh) {
     counts.Drop(f);
     drop(f);
   }
-  RemoveFaces(mesh, dropped);
+  DropTriangles(mesh, dropped);
   return count;
 }
 

@@ -305,10 +305,7 @@ class ManifoldMaker {
       if (dropped[h / 3] || g == kNoHalfEdge || dropped[g / 3]) continue;
       partner[3 * new_face[h / 3] + h % 3] = 3 * new_face[g / 3] + g % 3;
     }
-    for (uint32_t f = 0; f < dropped.size(); ++f) {
-      if (!dropped[f]) mesh_.triangles[new_face[f]] = mesh_.triangles[f];
-    }
-    mesh_.triangles.resize(count);
+    DropTriangles(mesh_, dropped);
     partner_.swap(partner);
   }
 

@@ -292,11 +292,9 @@ void SliverMender::Move(uint32_t h) {
 }
 
 void SliverMender::Finish() {
-  size_t kept = 0;
-  for (size_t f = 0; f < mesh_.triangles.size(); ++f) {
-    if (!IsGone(static_cast<uint32_t>(f))) mesh_.triangles[kept++] = mesh_.triangles[f];
-  }
-  mesh_.triangles.resize(kept);
+  std::vector<bool> dropped(mesh_.triangles.size());
+  for (uint32_t f = 0; f < dropped.size(); ++f) dropped[f] = IsGone(f);
+  DropTriangles(mesh_, dropped);
   adjacency_ = CreateAdjacency(mesh_);
   DropUnreferencedVertices(mesh_, adjacency_);
 }

@@ -2,6 +2,18 @@
 
 namespace meshfront {
 
+void DropTriangles(TriangleMesh& mesh, const std::vector<bool>& dropped) {
+  const bool has_origins = !mesh.face_origins.empty();
+  size_t kept = 0;
+  for (size_t f = 0; f < mesh.triangles.size(); ++f) {
+    if (dropped[f]) continue;
+    if (has_origins) mesh.face_origins[kept] = mesh.face_origins[f];
+    mesh.triangles[kept++] = mesh.triangles[f];
+  }
+  mesh.triangles.resize(kept);
+  if (has_origins) mesh.face_origins.resize(kept);
+}
+
 Box3 BoundingBox(const TriangleMesh& mesh) {
   Box3 box;
   if (mesh.IsPointSet()) {

@@ -10,7 +10,8 @@ CreaseCut CutAlongCreases(TriangleMesh mesh, FaceAdjacency adjacency, const std:
   const auto half_edges = static_cast<uint32_t>(3 * cut.mesh.triangles.size());
   std::vector<bool> is_cut(cut.mesh.positions.size()), keeps_name(cut.mesh.positions.size(), true);
   for (uint32_t h = 0; h < half_edges; ++h) {
-    if (!creases[h]) continue;
+    if (!creases[h] && adjacency.OppositeOf(h) != kNoHalfEdge)
+      continue;  // at rims fans may touch, where a part was cut out
     is_cut[OriginOf(cut.mesh, h).index()] = true;
     adjacency.opposite[h / 3][h % 3] = kNoHalfEdge;
   }

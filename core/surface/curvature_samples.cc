@@ -101,6 +101,7 @@ absl::Status MeshSurface::ComputeCurvature(const Context& context) {
 
 absl::StatusOr<std::vector<double>> MeshSurface::SheetDistances(absl::Span<const double> limits,
                                                                 const Context& context) const {
+  if (whole_) return SheetDistancesInWhole(limits, context);
   return MeasureSheetDistances(mesh_, adjacency_, normals_, limits, context, {whole_opposite_, originals_});
 }
 

@@ -93,6 +93,14 @@ void MeshSurface::MeasureWholeComponents() {
     whole_diagonals_.push_back(boxes[patches.Find(patch)].Diagonal());
 }
 
+void MeshSurface::SetWholeDiagonals(absl::FunctionRef<double(FaceId)> diagonal) {
+  whole_diagonals_.assign(component_count(), 0);
+  for (uint32_t f = 0; f < mesh_.triangles.size(); ++f) {
+    double& known = whole_diagonals_[components_.label[f]];
+    if (known == 0) known = diagonal(FaceId(f));
+  }
+}
+
 MeshSurface::MeshSurface(TriangleMesh mesh, FaceAdjacency adjacency)
     : mesh_(std::move(mesh)),
       adjacency_(std::move(adjacency)),

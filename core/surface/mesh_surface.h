@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "absl/functional/function_ref.h"
@@ -61,6 +62,14 @@ class MeshSurface final : public Surface {
   static absl::StatusOr<std::unique_ptr<MeshSurface>> Create(TriangleMesh mesh, FaceAdjacency adjacency,
                                                              const std::vector<bool>& creases, const Context& context);
 
+  // The part that some of its faces make (`chosen`: one flag a face, at least one is set), in their order, as if the rest were not there,
+  // but with the normals, curvatures and sizes of the whole, and its distances to other sheets. Where it was cut out of the whole it has a
+  // border: rims whose vertices stay as they are. O(n).
+  static std::unique_ptr<MeshSurface> CreatePart(std::shared_ptr<const MeshSurface> whole,
+                                                 const std::vector<bool>& chosen);
+  // Makes this a part, too: `other` is one of the same faces, cut open elsewhere.
+  void TakeBorderFrom(const MeshSurface& other);
+
   // Fits the curvature of every vertex (curvature_fit.h), on the context's threads. To be called once, before anything that
   // tells a curvature: until then all are 0. Below 1 µs a vertex and core.
   absl::Status ComputeCurvature(const Context& context);
@@ -83,6 +92,13 @@ class MeshSurface final : public Surface {
   uint32_t OriginalOf(VertexId v) const { return is_cut() ? originals_[v.index()] : v.index(); }
   bool is_cut() const { return !originals_.empty(); }
 
+  // Of a part: whether the whole goes on across a half-edge; the vertices on its border, as OriginalOf, in increasing order; pairs of them
+  // that an edge of the rest joins; and for each vertex one of the whole that it was.
+  bool IsBorder(uint32_t half_edge) const { return !is_border_.empty() && is_border_[half_edge]; }
+  absl::Span<const uint32_t> border_vertices() const { return border_vertices_; }
+  absl::Span<const std::pair<uint32_t, uint32_t>> taken() const { return taken_; }
+  absl::Span<const uint32_t> vertices_of_whole() const { return vertices_of_whole_; }
+
   size_t component_count() const { return components_.count; }
   uint32_t ComponentOf(FaceId face) const { return components_.label[face.index()]; }
   absl::Span<const double> component_diagonals() const { return component_diagonals_; }  // of their boxes
@@ -90,6 +106,8 @@ class MeshSurface final : public Surface {
   absl::Span<const double> whole_diagonals() const {
     return whole_diagonals_.empty() ? component_diagonals_ : whole_diagonals_;
   }
+  // For a surface that is itself less than the whole: what the diagonal is for the component of a face.
+  void SetWholeDiagonals(absl::FunctionRef<double(FaceId)> diagonal);
   bool ComponentHasBoundary(uint32_t component) const { return component_has_boundary_[component]; }
   // A good place to begin at, for each component without boundary (or, with `all`, for each), in the order of components: the
   // centroid of a well-shaped face where the surface is flat for its size.
@@ -132,6 +150,8 @@ class MeshSurface final : public Surface {
   MeshSurface(TriangleMesh mesh, FaceAdjacency adjacency);
   FaceView View() const;
   void MeasureWholeComponents();
+  absl::StatusOr<std::vector<double>> SheetDistancesInWhole(absl::Span<const double> limits,
+                                                            const Context& context) const;
   SourcePoint Place(const FaceHit& hit) const;
   uint32_t FaceOf(const SourcePoint& p) const { return p.patch < mesh_.triangles.size() ? p.patch : 0; }
 
@@ -143,8 +163,13 @@ class MeshSurface final : public Surface {
   std::vector<double> curvatures_;
   FaceComponents components_;
   std::vector<bool> component_has_boundary_;
-  std::vector<double> component_diagonals_, whole_diagonals_;  // the latter empty when nothing was cut
+  std::vector<double> component_diagonals_, whole_diagonals_;  // the latter empty when nothing was cut, and of no part
   bool has_curvature_ = false;
+  // Of a part only.
+  std::vector<bool> is_border_;
+  std::vector<uint32_t> border_vertices_, vertices_of_whole_;
+  std::vector<std::pair<uint32_t, uint32_t>> taken_;
+  std::shared_ptr<const MeshSurface> whole_;
   mutable std::once_flag meetings_once_;
   mutable std::unique_ptr<SelfMeetings> meetings_;
 };

@@ -2,14 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
+#include "core/mesh/mesh_sink.h"
 #include "core/surface/surface.h"
 
 namespace meshfront {
-
-// A point of a loop that is no joint.
-inline constexpr uint32_t kNoJoint = 0xffffffffu;
 
 // A closed loop of at least three distinct places on one surface, last joined to first. The part of the surface that is still
 // to be meshed lies on the right of each directed edge a → b, towards (b − a) × normal: the triangle that will grow from it is
@@ -20,7 +19,10 @@ inline constexpr uint32_t kNoJoint = 0xffffffffu;
 struct OrientedLoop {
   std::vector<SourcePoint> points;
   std::vector<uint32_t> joints;  // of each point, the number of its joint or kNoJoint; empty: there are none
-  std::vector<bool> creases;     // whether the edge from each point to the next lies on a crease; empty: none does
+  // Whether the edge from each point to the next lies on a crease or on the border of a region, and stays as it is; empty: none does.
+  std::vector<bool> creases;
+  // Pairs of joints that an edge outside of what is meshed joins already: no edge of the output may.
+  std::vector<std::pair<uint32_t, uint32_t>> taken;
 };
 
 }  // namespace meshfront

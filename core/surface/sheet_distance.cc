@@ -47,10 +47,12 @@ constexpr double kSigns[2] = {-1.0, 1.0};
 // Bit i of a byte: ray i may hit a sheet.
 using Rays = uint8_t;
 
+// Of those that ask at all.
 double MeanOf(absl::Span<const double> limits) {
   double sum = 0;
-  for (const double limit : limits) sum += limit;
-  return limits.empty() ? 0 : sum / static_cast<double>(limits.size());
+  size_t count = 0;
+  for (const double limit : limits) sum += limit, count += limit > 0;
+  return count == 0 ? 0 : sum / static_cast<double>(count);
 }
 
 std::optional<SegmentHit> FindOpposedHit(const Sheets& sheets, uint32_t v, const Vec3& direction, double limit) {

@@ -17,7 +17,7 @@ namespace {
 using google::protobuf::FieldDescriptor;
 
 // In the contract from the start, so that clients keep; refused by their path until they are built.
-constexpr absl::string_view kNotYet[] = {"features", "region", "blend", "mls_radius"};
+constexpr absl::string_view kNotYet[] = {"features", "mls_radius"};
 
 bool IsNotYet(absl::string_view field) {
   return std::find(std::begin(kNotYet), std::end(kNotYet), field) != std::end(kNotYet);
@@ -165,6 +165,7 @@ absl::StatusOr<RemeshOptions> ToCore(const v1::RemeshOptions& proto) {
   if (proto.has_crease()) {
     MESHFRONT_ASSIGN_OR_RETURN(o.crease_angle, CreaseFromProto(proto.crease()));
   }
+  if (proto.has_blend()) o.blend = proto.blend();
   if (proto.has_flips()) o.flips = proto.flips();
   if (proto.has_smooth()) o.smooth = proto.smooth();
   if (proto.has_fit()) o.fit = proto.fit();
@@ -183,6 +184,29 @@ absl::StatusOr<RemeshOptions> OptionsFromProto(const v1::RemeshOptions& proto) {
   return options;
 }
 
+absl::StatusOr<std::optional<Region>> RegionFromProto(const v1::RemeshOptions& proto) {
+  if (!proto.has_region()) return std::nullopt;
+  const v1::Region& shape = proto.region();
+  Region region;
+  region.patch_only = shape.patch_only();
+  switch (shape.shape_case()) {
+    case v1::Region::kSphere:
+      region.shape = RegionSphere{PointFromProto(shape.sphere().center()), shape.sphere().radius()};
+      break;
+    case v1::Region::kBox:
+      region.shape = Box3{PointFromProto(shape.box().min()), PointFromProto(shape.box().max())};
+      break;
+    case v1::Region::kFaceCount:
+      region.shape = RegionFaces();
+      if (shape.face_count() > 0) return region;
+      return absl::InvalidArgumentError("options.region.face_count is 0; it must be at least 1");
+    case v1::Region::SHAPE_NOT_SET:
+      return absl::InvalidArgumentError("options.region is empty; it must hold sphere, box or face_count");
+  }
+  MESHFRONT_RETURN_IF_ERROR(ValidateRegion(region));
+  return region;
+}
+
 v1::RemeshOptions OptionsToProto(const RemeshOptions& o) {
   v1::RemeshOptions proto;
   const bool by_rho = o.sizing == Sizing::kAngle || o.sizing == Sizing::kThickness;
@@ -199,6 +223,7 @@ v1::RemeshOptions OptionsToProto(const RemeshOptions& o) {
   else
     proto.mutable_crease()->set_off(true);
   proto.set_attributes(v1::ATTRIBUTE_POLICY_DROP);
+  proto.set_blend(o.blend);
   proto.set_surface(v1::SURFACE_TYPE_AUTO);
   proto.set_flips(o.flips);
   proto.set_smooth(o.smooth);

@@ -1,6 +1,8 @@
 // Between the wire's messages and core's structs; the one place where a new option or figure is added.
 #pragma once
 
+#include <optional>
+
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/base/context.h"
@@ -17,8 +19,11 @@ inline constexpr int kMaxListedOpenPlaces = 1000;
 inline constexpr int kMaxListedDefects = 100;
 
 // The options in core's terms, defaults filled in. InvalidArgument, beginning with the field's path: a value out of
-// its range, a contradiction, or an option that is not supported yet ("options.region is not supported yet").
+// its range, a contradiction, or an option that is not supported yet ("options.features is not supported yet").
 absl::StatusOr<RemeshOptions> OptionsFromProto(const v1::RemeshOptions& proto);
+// The region that options.region asks for; none where it is not set. Of faces given by number it is empty: their array comes later.
+// InvalidArgument, beginning with the field's path.
+absl::StatusOr<std::optional<Region>> RegionFromProto(const v1::RemeshOptions& proto);
 // Everything set that has a value; what is off or not supported says so.
 v1::RemeshOptions OptionsToProto(const RemeshOptions& options);
 // Paths of the options that OptionsFromProto accepts, in the order of their field numbers.
@@ -38,7 +43,7 @@ v1::Defect DefectToProto(const Defect& defect);
 // All that core knows; the server adds upload, queue, chunks, memory and version.
 v1::Summary SummaryFromReport(const Report& report);
 // The way back, for what the client prints. Nothing that core knows is lost but open places beyond
-// kMaxListedOpenPlaces.
+// kMaxListedOpenPlaces, and removed faces.
 Report ReportFromSummary(const v1::Summary& summary);
 v1::EstimateResponse EstimateToProto(const Estimate& estimate);
 

@@ -184,6 +184,12 @@ v1::Summary SummaryFromReport(const Report& report) {
     refusal->set_reason(reason);
     refusal->set_count(count);
   }
+  if (report.region) {
+    s.mutable_region()->set_kept_triangles(report.region->kept_triangles);
+    s.mutable_region()->set_replaced_triangles(report.region->replaced_triangles);
+    s.mutable_region()->set_new_triangles(report.region->new_triangles);
+    s.mutable_region()->set_removed_faces(report.region->removed_faces.size());
+  }
   *s.mutable_seconds() = SecondsToProto(report.seconds);
   s.set_peak_front_edges(report.peak_front_edges);
   s.set_threads(report.threads);
@@ -206,6 +212,10 @@ Report ReportFromSummary(const v1::Summary& s) {
   report.flips = s.flips();
   report.peak_front_edges = s.peak_front_edges();
   for (const v1::Refusal& refusal : s.refusals()) report.refusals.emplace_back(refusal.reason(), refusal.count());
+  if (s.has_region()) {
+    report.region =
+        RegionReport{s.region().kept_triangles(), s.region().replaced_triangles(), s.region().new_triangles(), {}};
+  }
   report.seconds = SecondsFromProto(s.seconds());
   report.threads = static_cast<int>(s.threads());
   return report;

@@ -2,6 +2,7 @@
 #include "client/cli/arguments.h"
 
 #include <cmath>
+#include <fstream>
 
 #include "tests/support/matchers.h"
 
@@ -117,10 +118,38 @@ TEST(MeshingFlags, ACreaseAngleIsDegrees) {
   EXPECT_THAT(Parse({.crease_angle = "180"}), StatusIs(kInvalid, "--crease-angle is 180"));
 }
 
+TEST(MeshingFlags, ARegionIsABallABoxOrAFileOfFaces) {
+  const v1::RemeshOptions ball = *ParseMeshingFlags({.region = "sphere:1,-2,3e2,0.5", .blend = "4"});
+  EXPECT_EQ(ball.region().sphere().center().z(), 300);
+  EXPECT_EQ(ball.region().sphere().radius(), 0.5);
+  EXPECT_EQ(ball.blend(), 4);
+  const v1::Region box = ParseMeshingFlags({.region = "box:0,1,2,3,4,5"})->region();
+  EXPECT_EQ(box.box().min().y(), 1);
+  EXPECT_EQ(box.box().max().x(), 3);
+  EXPECT_THAT(Parse({.region = "faces:a.txt"}), IsOk());
+  for (const char* wrong : {"", "ball:1", "faces:", "sphere:0,0,0,0", "sphere:0,0,0,1,1", "sphere:0,0,x,1",
+                            "sphere:0,0,nan,1", "box:0,0,0,1,1", "box:1,0,0,0,1,1"}) {
+    EXPECT_THAT(Parse({.region = wrong}), StatusIs(kInvalid, "--region is ")) << wrong;
+  }
+  EXPECT_THAT(Parse({.blend = "8"}), StatusIs(kInvalid, "--blend needs --region"));
+  EXPECT_THAT(Parse({.region = "faces:a.txt", .blend = "-1"}), StatusIs(kInvalid, "--blend is -1"));
+}
+
+TEST(MeshingFlags, FacesAreNumbersOneALine) {
+  const std::string path = ::testing::TempDir() + "faces.txt";
+  std::ofstream(path) << "7\n\n 12 \r\n0\n";
+  EXPECT_EQ(*ReadRegionFaces("faces:" + path), (std::vector<uint32_t>{7, 12, 0}));
+  std::ofstream(path) << "7\n-1\n";
+  EXPECT_THAT(ReadRegionFaces("faces:" + path), StatusIs(kInvalid, "\"-1\" in line 2"));
+  std::ofstream(path) << "\n";
+  EXPECT_THAT(ReadRegionFaces("faces:" + path), StatusIs(kInvalid, "names no face"));
+  EXPECT_THAT(ReadRegionFaces("faces:/no/such/file"), StatusIs(kInvalid, "can't be read"));
+  EXPECT_TRUE(ReadRegionFaces("sphere:0,0,0,1")->empty());
+}
+
 TEST(MeshingFlags, SayNotYetInsteadOfIgnoring) {
   const std::vector<MeshingFlags> not_built = {
-      {.features = "f.obj"}, {.region = "faces:a.txt"}, {.blend = "8"}, {.surface = "mls"}, {.surface = "imls"},
-      {.mls_radius = "4"},   {.seed_points = {"0,0,0"}}};
+      {.features = "f.obj"}, {.surface = "mls"}, {.surface = "imls"}, {.mls_radius = "4"}, {.seed_points = {"0,0,0"}}};
   for (const MeshingFlags& flags : not_built) EXPECT_THAT(Parse(flags), StatusIs(kInvalid, "not yet"));
 }
 

@@ -3,9 +3,12 @@
 #include <sys/wait.h>
 
 #include <png.h>
+#include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 #include <thread>
 
@@ -80,6 +83,54 @@ TEST_F(Remesh, TellsInStatsWhatIsInTheOutput) {
   EXPECT_EQ(last["triangles"], mesh.triangles.size());
   EXPECT_EQ(last["vertices"], mesh.positions.size());
   EXPECT_EQ(last["open_front_edges"], 0);
+}
+
+// Corners of a face from the smallest on.
+std::array<std::array<double, 3>, 3> CornersOf(const TriangleMesh& mesh, const Triangle& t) {
+  std::array<std::array<double, 3>, 3> corners;
+  for (int i = 0; i < 3; ++i) corners[i] = {mesh.PositionAt(t[i]).x, mesh.PositionAt(t[i]).y, mesh.PositionAt(t[i]).z};
+  std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+  return corners;
+}
+
+TEST_F(Remesh, LeavesWhatIsBesideARegionBitForBit) {
+  const TriangleMesh before = Read("in.ply");
+  for (const char* out : {"out.ply", "out.off", "out.obj"}) {
+    const Outcome outcome = Run({"remesh", "in.ply", out, "--region", "sphere:1.4,0,0,0.5", "--blend", "6", "--rho",
+                                 "0.3", "--stats", "stats.json"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const TriangleMesh after = Read(out);
+    EXPECT_THAT(after, IsClosedManifold());
+    EXPECT_THAT(after, HasGenus(1));
+    std::set<std::array<std::array<double, 3>, 3>> faces;
+    for (const Triangle& t : after.triangles) faces.insert(CornersOf(after, t));
+    uint64_t kept = 0;
+    for (const Triangle& t : before.triangles) {
+      const bool inside = std::all_of(t.begin(), t.end(), [&](VertexId v) {
+        return Distance(before.PositionAt(v), {1.4, 0, 0}) <= 0.5;
+      });
+      if (inside) continue;
+      ++kept;
+      ASSERT_TRUE(faces.contains(CornersOf(before, t))) << out;
+    }
+    const Json region = Json::parse(Contents("stats.json"))["region"];
+    EXPECT_EQ(region["kept_triangles"], kept);
+    EXPECT_EQ(region["replaced_triangles"], before.triangles.size() - kept);
+    EXPECT_EQ(region["new_triangles"], after.triangles.size() - kept);
+  }
+}
+
+TEST_F(Remesh, WritesThePatchAndWhatItReplaces) {
+  std::ofstream(PathOf("faces.txt")) << "10\n11\n12\n13\n14\n15\n";
+  const Outcome outcome = Run({"remesh", "in.ply", "out.ply", "--region", "faces:faces.txt", "--patch-only",
+                               "--removed", "removed.txt", "--max-edge", "0.02"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(Contents("removed.txt"), Contents("faces.txt"));
+  const TopologyReport patch = MeasureTopology(Read("out.ply"));
+  EXPECT_TRUE(patch.manifold);
+  EXPECT_EQ(patch.boundary_loops, 1u);
+  EXPECT_EQ(patch.boundary_edges, 8u) << "a strip of six triangles";
+  EXPECT_EQ(Run({"estimate", "in.ply", "--region", "faces:faces.txt"}).exit_code, 0);
 }
 
 TEST_F(Remesh, WorksInAPipeAndGivesTheSameBytes) {

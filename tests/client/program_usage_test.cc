@@ -42,7 +42,8 @@ TEST_F(Program, ExplainsItselfWhenAsked) {
                            "--features",         "--attributes",  "--region",   "--blend",     "--surface",
                            "--mls-radius",       "--seed-point",  "--flips",    "--smooth",    "--fit",
                            "--threads",          "--repair",      "--stats",    "--trace",     "--picture",
-                           "--write-repaired",   "--timeout",     "--quiet",    "--in-format", "--out-format"}) {
+                           "--write-repaired",   "--patch-only",  "--removed",  "--timeout",   "--quiet",
+                           "--in-format",        "--out-format"}) {
     EXPECT_THAT(outcome.out, HasSubstr(flag));
   }
 }
@@ -58,6 +59,12 @@ TEST_F(Program, ExitsWithTwoForMistakesInTheCommandLine) {
       {"remesh", "in.ply", "out.ply", "--bogus"},
       {"remesh", "in.ply", "out.ply", "--rho"},
       {"remesh", "in.ply", "out.ply", "--rho", "9"},
+      {"remesh", "in.ply", "out.ply", "--region", "sphere:0,0,0"},
+      {"remesh", "in.ply", "out.ply", "--region", "sphere:9,9,9,1"},
+      {"remesh", "in.ply", "out.ply", "--region", "faces:missing.txt"},
+      {"remesh", "in.ply", "out.ply", "--blend", "8"},
+      {"remesh", "in.ply", "out.ply", "--patch-only"},
+      {"remesh", "in.ply", "out.ply", "--region", "box:0,0,0,9,9,9", "--removed", "removed.txt"},
       {"remesh", "in.ply", "out.ply", "--rho", "-1"},
       {"remesh", "in.ply", "out.ply", "--rho", "1", "--edge-length", "1"},
       {"remesh", "in.ply", "out.ply", "--max-error", "1%", "--target-triangles", "500"},
@@ -102,13 +109,11 @@ TEST_F(Program, NamesASubcommandThatItDoesNotKnow) { EXPECT_THAT(Run({"bogus", "
 
 TEST_F(Program, SaysNotYetToWhatIsNotBuilt) {
   WriteSphere("in.ply");
-  const std::vector<std::vector<std::string>> not_built = {
-      {"union", "in.ply", "in.ply", "out.ply"},
-      {"intersection", "in.ply", "in.ply", "out.ply"},
-      {"difference", "in.ply", "in.ply", "out.ply"},
-      {"cut", "in.ply", "in.ply", "out.ply"},
-      {"remesh", "in.ply", "out.ply", "--region", "sphere:0,0,0,1"},
-      {"estimate", "in.ply", "--features", "curves.obj"}};
+  const std::vector<std::vector<std::string>> not_built = {{"union", "in.ply", "in.ply", "out.ply"},
+                                                           {"intersection", "in.ply", "in.ply", "out.ply"},
+                                                           {"difference", "in.ply", "in.ply", "out.ply"},
+                                                           {"cut", "in.ply", "in.ply", "out.ply"},
+                                                           {"estimate", "in.ply", "--features", "curves.obj"}};
   for (const std::vector<std::string>& arguments : not_built) {
     const Outcome outcome = Run(arguments);
     EXPECT_EQ(outcome.exit_code, 2) << ::testing::PrintToString(arguments);

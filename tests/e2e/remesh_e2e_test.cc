@@ -4,6 +4,8 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
+
 #include "core/mesh/topology.h"
 #include "google/rpc/error_details.pb.h"
 #include "proto/wire/convert.h"
@@ -51,6 +53,78 @@ TEST(RemeshOverSocket, ReturnsAClosedSphereInWholeChunks) {
   EXPECT_EQ(topology.genus, 0);
   EXPECT_EQ(topology.triangles, outcome.summary->output().triangles());
   EXPECT_GT(outcome.summary->server_peak_rss_bytes(), 1u << 20);
+}
+
+// Half of the faces of a sphere, named in an array of their own.
+TEST(RemeshOverSocket, SendsThePatchOfARegionAndWhatItReplaces) {
+  const TriangleMesh sphere = Icosphere(4);
+  std::vector<uint32_t> faces;
+  for (uint32_t f = 0; f < sphere.triangles.size(); ++f) {
+    const Triangle& t = sphere.triangles[f];
+    if (std::all_of(t.begin(), t.end(), [&](VertexId v) { return sphere.PositionAt(v).z > 0; })) faces.push_back(f);
+  }
+  v1::Header header = HeaderOf(sphere);
+  header.mutable_options()->set_rho(0.3);
+  header.mutable_options()->mutable_region()->set_face_count(faces.size());
+  header.mutable_options()->mutable_region()->set_patch_only(true);
+  std::vector<v1::RemeshRequest> messages = RequestOf(sphere, header);
+  messages.back().mutable_block()->set_array(v1::ARRAY_REGION_FACES);
+  messages.back().mutable_block()->set_data(faces.data(), faces.size() * sizeof(uint32_t));
+  messages.back().mutable_block()->set_crc32c(Crc32c(messages.back().block().data()));
+  messages.emplace_back().mutable_end();
+
+  ServerProcess server;
+  grpc::ClientContext context;
+  const auto stub = server.NewStub();
+  const auto stream = stub->Remesh(&context);
+  Send(*stream, messages);
+  std::string removed;
+  v1::RemeshResponse response;
+  v1::Summary summary;
+  while (stream->Read(&response)) {
+    if (response.event().has_removed()) {
+      EXPECT_EQ(response.event().removed().crc32c(), Crc32c(response.event().removed().faces()));
+      removed += response.event().removed().faces();
+    }
+    if (response.event().has_summary()) summary = response.event().summary();
+  }
+  const grpc::Status status = stream->Finish();
+  ASSERT_TRUE(status.ok()) << status.error_message();
+  EXPECT_EQ(removed, std::string(reinterpret_cast<const char*>(faces.data()), faces.size() * sizeof(uint32_t)));
+  EXPECT_EQ(summary.region().removed_faces(), faces.size());
+  EXPECT_EQ(summary.region().replaced_triangles(), faces.size());
+  EXPECT_EQ(summary.region().new_triangles(), summary.output().triangles());
+  EXPECT_EQ(summary.output().boundary_loops(), 1u);
+}
+
+TEST(RemeshOverSocket, ReturnsTheRestOfARegionBitForBitAndNamesTheFieldOfAnEmptyOne) {
+  const TriangleMesh sphere = Icosphere(4);
+  v1::Header header = HeaderOf(sphere);
+  header.mutable_output()->set_scalar_type(v1::SCALAR_TYPE_FLOAT64);
+  header.mutable_options()->mutable_region()->mutable_sphere()->mutable_center()->set_z(1);
+  header.mutable_options()->mutable_region()->mutable_sphere()->set_radius(0.5);
+  ServerProcess server;
+  grpc::ClientContext context;
+  const Outcome outcome = Remesh(*server.NewStub(), context, RequestOf(sphere, header));
+  ASSERT_TRUE(outcome.status.ok()) << outcome.status.error_message();
+  EXPECT_TRUE(MeasureTopology(outcome.mesh).closed);
+  const uint64_t kept = outcome.summary->region().kept_triangles();
+  ASSERT_GT(kept, sphere.triangles.size() / 2);
+  size_t at = 0;  // the rest comes first, in its order
+  for (const Triangle& t : sphere.triangles) {
+    if (at == kept) break;
+    const Triangle& other = outcome.mesh.triangles[at];
+    at += sphere.PositionAt(t[0]) == outcome.mesh.PositionAt(other[0]) &&
+          sphere.PositionAt(t[1]) == outcome.mesh.PositionAt(other[1]) &&
+          sphere.PositionAt(t[2]) == outcome.mesh.PositionAt(other[2]);
+  }
+  EXPECT_EQ(at, kept);
+
+  header.mutable_options()->mutable_region()->mutable_sphere()->set_radius(1e-3);
+  grpc::ClientContext again;
+  const Outcome empty = Remesh(*server.NewStub(), again, RequestOf(sphere, header));
+  EXPECT_EQ(empty.status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_THAT(empty.status.error_message(), HasSubstr("options.region is empty"));
 }
 
 TEST(RemeshOverSocket, TakesAWholeFileToo) {

@@ -79,6 +79,21 @@ TEST(InputAssembler, KeepsTheBytesOfAFileAndTakesItsFormatFromTheName) {
   EXPECT_EQ(input.format, Format::kPly);
 }
 
+TEST(InputAssembler, PutsTheFacesOfARegionBesideTheMesh) {
+  v1::Header header = TriangleHeader();
+  header.mutable_options()->mutable_region()->set_face_count(2);
+  Started s(header);
+  const std::string faces = Bytes<uint32_t>({0, 7});
+  ASSERT_TRUE(s.assembler.Accept(Block(v1::ARRAY_POSITIONS, 0, kPositions)).ok());
+  ASSERT_TRUE(s.assembler.Accept(Block(v1::ARRAY_TRIANGLES, 0, kTriangle)).ok());
+  EXPECT_THAT(std::string(s.assembler.Accept(v1::EndOfInput()).message()),
+              HasSubstr("end came when ARRAY_REGION_FACES had 0 of 8 bytes"));
+  ASSERT_TRUE(s.assembler.Accept(Block(v1::ARRAY_REGION_FACES, 0, faces.substr(0, 3))).ok());
+  ASSERT_TRUE(s.assembler.Accept(Block(v1::ARRAY_REGION_FACES, 3, faces.substr(3))).ok());
+  ASSERT_TRUE(s.assembler.Accept(v1::EndOfInput()).ok());
+  EXPECT_EQ(std::get<RegionFaces>(s.assembler.Take().region->shape), (RegionFaces{0, 7}));
+}
+
 TEST(InputAssembler, RefusesAHeaderThatSaysNothingOrTooMuch) {
   struct Case {
     std::function<void(v1::Header&)> change;

@@ -80,7 +80,7 @@ TEST(OptionsFromProto, KeepsCreasesFromFortyDegreesOnUnlessToldOtherwise) {
 
 TEST(OptionsFromProto, RefusesWhatIsNotBuiltYetByItsPath) {
   std::vector<v1::RemeshOptions> cases(4);
-  cases[0].mutable_region()->mutable_sphere()->set_radius(1);
+  cases[0].set_mls_radius(4);
   cases[1].mutable_features()->set_point_count(1);
   cases[2].set_surface(v1::SURFACE_TYPE_IMLS);
   cases[3].set_attributes(v1::ATTRIBUTE_POLICY_KEEP);
@@ -90,6 +90,46 @@ TEST(OptionsFromProto, RefusesWhatIsNotBuiltYetByItsPath) {
     EXPECT_THAT(std::string(status.message()), StartsWith("options."));
     EXPECT_THAT(std::string(status.message()), HasSubstr("not supported yet"));
   }
+}
+
+TEST(RegionFromProto, TakesABallABoxOrACountOfFaces) {
+  v1::RemeshOptions proto;
+  EXPECT_FALSE(RegionFromProto(proto)->has_value());
+  proto.mutable_region()->mutable_sphere()->set_radius(2);
+  proto.mutable_region()->mutable_sphere()->mutable_center()->set_y(1);
+  EXPECT_EQ(std::get<RegionSphere>((*RegionFromProto(proto))->shape).center, (Vec3{0, 1, 0}));
+  proto.mutable_region()->mutable_box()->mutable_max()->set_x(3);
+  proto.mutable_region()->set_patch_only(true);
+  EXPECT_EQ(std::get<Box3>((*RegionFromProto(proto))->shape).max, (Vec3{3, 0, 0}));
+  EXPECT_TRUE((*RegionFromProto(proto))->patch_only);
+  proto.mutable_region()->set_face_count(5);
+  EXPECT_TRUE(std::get<RegionFaces>((*RegionFromProto(proto))->shape).empty()) << "their array comes later";
+}
+
+TEST(RegionFromProto, NamesTheFieldOfWhatIsWrong) {
+  std::vector<v1::RemeshOptions> cases(5);
+  cases[0].mutable_region();
+  cases[1].mutable_region()->mutable_sphere()->set_radius(-1);
+  cases[2].mutable_region()->mutable_sphere()->mutable_center()->set_x(NAN);
+  cases[3].mutable_region()->mutable_box()->mutable_min()->set_x(1);
+  cases[4].mutable_region()->set_face_count(0);
+  const char* const paths[] = {"options.region is empty", "options.region.sphere.radius is -1",
+                               "options.region.sphere.center is not finite", "options.region.box.min is ",
+                               "options.region.face_count is 0"};
+  for (size_t i = 0; i < cases.size(); ++i) {
+    const absl::Status status = RegionFromProto(cases[i]).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+    EXPECT_THAT(std::string(status.message()), StartsWith(paths[i]));
+  }
+}
+
+TEST(OptionsFromProto, TakesTheWidthOfTheBlend) {
+  v1::RemeshOptions proto;
+  proto.set_blend(4);
+  EXPECT_EQ(OptionsFromProto(proto)->blend, 4);
+  EXPECT_EQ(OptionsToProto(*OptionsFromProto(proto)).blend(), 4);
+  proto.set_blend(1001);
+  EXPECT_THAT(std::string(OptionsFromProto(proto).status().message()), StartsWith("options.blend is 1001"));
 }
 
 TEST(OptionsFromProto, RefusesContradictionsAndValuesOutOfRange) {

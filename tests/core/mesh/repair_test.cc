@@ -486,5 +486,32 @@ TEST(Repair, OfAMeshWithNothingToMeshNamesTheFirstDefectAndItsPlace) {
   EXPECT_THAT(RepairMesh(broken, {}), StatusIs(absl::StatusCode::kInvalidArgument, "vertex 0 of triangle 0"));
 }
 
+// Each corner three times, and two faces that go: one without area in front, and a double at the end.
+TEST(RepairMesh, TakesTheOriginsOfFacesAlong) {
+  TriangleMesh mesh = testing::Soup(testing::Cube(2));
+  mesh.triangles.insert(mesh.triangles.begin(), {VertexId(0), VertexId(0), VertexId(1)});
+  mesh.triangles.push_back(mesh.triangles[5]);
+  for (uint32_t f = 0; f < mesh.triangles.size(); ++f) mesh.face_origins.push_back(f);
+  const TriangleMesh before = mesh;
+  const auto repaired = RepairMesh(std::move(mesh), {});
+  ASSERT_THAT(repaired, testing::IsOk());
+  const TriangleMesh& after = repaired->mesh;
+  ASSERT_EQ(after.face_origins.size(), after.triangles.size());
+  EXPECT_EQ(after.triangles.size(), before.triangles.size() - 2);
+  for (size_t f = 0; f < after.triangles.size(); ++f) {
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_EQ(after.PositionAt(after.triangles[f][i]), before.PositionAt(before.triangles[after.face_origins[f]][i]));
+    }
+  }
+}
+
+TEST(RepairMesh, LeavesComponentsThatFaceInwardsWhereThatIsAskedFor) {
+  const TriangleMesh mesh = testing::Reversed(testing::Icosphere(1));
+  const auto repaired = RepairMeshAsOriented(mesh, {});
+  ASSERT_THAT(repaired, testing::IsOk());
+  EXPECT_EQ(repaired->mesh.triangles, mesh.triangles);
+  EXPECT_TRUE(repaired->actions.empty());
+}
+
 }  // namespace
 }  // namespace meshfront

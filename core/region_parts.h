@@ -1,0 +1,51 @@
+// What a mesh falls into where a region of it is remeshed: the region, what surrounds it, and the rest.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/mesh/adjacency.h"
+#include "core/mesh/triangle_mesh.h"
+#include "core/region.h"
+#include "core/region_blend.h"
+#include "core/surface/mesh_surface.h"
+
+namespace meshfront {
+
+// The surroundings are all that the region's curvature, normals and thickness depend on: the region and what lies near it.
+struct RegionParts {
+  TriangleMesh whole;        // after repair, in the input's own scale, with the origins of its faces
+  std::vector<bool> chosen;  // of each of its faces: in the region
+  bool patch_only = false;
+  std::vector<uint32_t> around_vertices;  // of each vertex of the surroundings, that of the whole
+  std::vector<uint32_t> around_faces;     // … and of each face
+  std::vector<bool> around_chosen;        // … whether it is in the region
+  std::shared_ptr<MeshSurface> around;    // their surface, in the scale of the region's
+  std::optional<RegionBlend> blend;
+  std::vector<double> diagonals;  // of the component of each face of the surroundings, at the input's scale
+  uint64_t changed_outside = 0,
+           dropped_outside = 0;  // faces of the input beside the region that repair changed, and dropped
+  RegionReport report;
+};
+
+// Takes the surroundings out of `parts.whole`: faces with a vertex within `reach` of the region's box, and four rings around it.
+TriangleMesh CutOutSurroundings(const FaceAdjacency& adjacency, double reach, RegionParts& parts);
+
+// The surface of the region alone, of the surroundings' (which has its curvature).
+std::unique_ptr<MeshSurface> CutOutRegion(const RegionParts& parts);
+
+// The vertices of the whole on the region's border, in the order of its joints.
+std::vector<uint32_t> BorderOf(const RegionParts& parts, const MeshSurface& region);
+
+// Counts what repair, if any (`is_repaired`), changed of `input` outside of the region, and lists what is gone with it.
+void CompareWithInput(const TriangleMesh& input, bool is_repaired, RegionParts& parts);
+
+// Adds the faces around the region that lie within the box of `mesh`, which takes the region's place, in its scale.
+void AddFacesAround(const RegionParts& parts, TriangleMesh& mesh);
+
+}  // namespace meshfront

@@ -1,0 +1,288 @@
+// A region is remeshed, the rest comes back bit for bit, and both are one manifold mesh.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/mesh/adjacency.h"
+#include "core/mesh/quality.h"
+#include "core/remesh.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tests/support/matchers.h"
+#include "tests/support/shapes.h"
+
+namespace meshfront {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using testing::IsOk;
+using testing::StatusIs;
+
+using Bits = std::array<uint64_t, 3>;
+
+Bits BitsOf(const Vec3& p) {
+  Bits bits;
+  std::memcpy(bits.data(), &p, sizeof(p));
+  return bits;
+}
+
+// A face as what it is wherever its vertices' numbers begin: positions, from the smallest on.
+using FaceBits = std::array<Bits, 3>;
+FaceBits FaceOf(const TriangleMesh& mesh, const Triangle& t) {
+  FaceBits face{BitsOf(mesh.PositionAt(t[0])), BitsOf(mesh.PositionAt(t[1])), BitsOf(mesh.PositionAt(t[2]))};
+  std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
+  return face;
+}
+
+bool IsInside(const RegionSphere& sphere, const TriangleMesh& mesh, const Triangle& t) {
+  return std::all_of(t.begin(), t.end(),
+                     [&](VertexId v) { return Distance(mesh.PositionAt(v), sphere.center) <= sphere.radius; });
+}
+
+struct Result {
+  TriangleMesh mesh;
+  Report report;
+};
+
+Result RemeshRegion(TriangleMesh mesh, Region region, RemeshOptions options = {}) {
+  CollectingSink sink;
+  auto report = Remesh({std::move(mesh), options, std::move(region)}, sink, {});
+  EXPECT_THAT(report, IsOk());
+  return {std::move(sink.mesh), report.ok() ? *std::move(report) : Report{}};
+}
+
+// What holds for every region: see engine.md section 8.
+void ExpectGraft(const TriangleMesh& input, const RegionSphere& sphere, const Result& result) {
+  std::multiset<FaceBits> kept;
+  for (const Triangle& t : input.triangles) {
+    if (!IsInside(sphere, input, t)) kept.insert(FaceOf(input, t));
+  }
+  ASSERT_TRUE(result.report.region.has_value());
+  EXPECT_EQ(result.report.region->kept_triangles, kept.size());
+  EXPECT_EQ(result.report.region->replaced_triangles, input.triangles.size() - kept.size());
+  EXPECT_EQ(result.report.region->new_triangles, result.mesh.triangles.size() - kept.size());
+  for (const Triangle& t : result.mesh.triangles) {
+    const auto found = kept.find(FaceOf(result.mesh, t));
+    if (found != kept.end()) kept.erase(found);
+  }
+  EXPECT_TRUE(kept.empty()) << kept.size() << " faces outside are not what they were";
+  EXPECT_TRUE(result.report.complete);
+  const TopologyReport before = MeasureTopology(input), after = MeasureTopology(result.mesh);
+  EXPECT_THAT(result.mesh, testing::IsManifold());
+  EXPECT_EQ(after.closed, before.closed);
+  EXPECT_EQ(after.components, before.components);
+  EXPECT_EQ(after.boundary_loops, before.boundary_loops);
+  EXPECT_EQ(after.genus, before.genus);
+  EXPECT_EQ(result.report.output.genus, after.genus);
+  EXPECT_EQ(result.report.output.boundary_edges, after.boundary_edges);
+  // Their search has no scale of its own.
+  const double scale = std::ldexp(1.0, -std::ilogb(BoundingBox(input).Diagonal()));
+  const auto meetings = FindSelfIntersections(testing::Scaled(result.mesh, scale), 1, {});
+  ASSERT_THAT(meetings, IsOk());
+  EXPECT_EQ(meetings->pairs, 0u);
+}
+
+double DiagonalOf(const TriangleMesh& mesh) { return BoundingBox(mesh).Diagonal(); }
+
+// The vertex that a hash of the round picks, and a radius of 4 to 20 % of the diagonal.
+RegionSphere RandomSphere(const TriangleMesh& mesh, uint64_t round) {
+  uint64_t x = 0x9e3779b97f4a7c15u * (round + 1);
+  x ^= x >> 31, x *= 0xbf58476d1ce4e5b9u, x ^= x >> 29;
+  const auto share = static_cast<double>(x >> 40) / (1 << 24);
+  return {mesh.positions[x % mesh.positions.size()], (0.04 + 0.16 * share) * DiagonalOf(mesh)};
+}
+
+bool HoldsAFace(const RegionSphere& sphere, const TriangleMesh& mesh) {
+  return std::any_of(mesh.triangles.begin(), mesh.triangles.end(),
+                     [&](const Triangle& t) { return IsInside(sphere, mesh, t); });
+}
+
+struct Shape {
+  std::string name;
+  TriangleMesh mesh;
+};
+
+std::vector<Shape> Shapes() {
+  return {{"ball", testing::Icosphere(4)},
+          {"noisy ball", testing::WithNoise(testing::Icosphere(4), 0.01, 7)},
+          {"torus", testing::Torus(1, 0.4, 96, 40)},
+          {"cube", testing::Cube(12)},
+          {"sheet", testing::Sheet(24)},
+          {"terrain", testing::WavyTerrain(40)},
+          {"disk with holes", testing::DiskWithHoles(40)},
+          {"slab", testing::ThinSlab(30)},
+          {"plate with hole", testing::PlateWithRoundHole(16)},
+          {"iso-surface", testing::GenusThree(40)},
+          {"cylinder", testing::CappedCylinder(0.5, 2, 40, 16)},
+          {"tubes", testing::ParallelTubes(0.02, 3, 16, 5)}};
+}
+
+TEST(RemeshRegion, KeepsTheRestBitForBitAndJoinsItWhereverTheRegionIs) {
+  for (const Shape& shape : Shapes()) {
+    for (uint64_t round = 0; round < 8; ++round) {
+      const RegionSphere sphere = RandomSphere(shape.mesh, 100 * round + shape.name.size());
+      if (!HoldsAFace(sphere, shape.mesh)) continue;
+      SCOPED_TRACE(shape.name + ", round " + std::to_string(round));
+      RemeshOptions options;
+      options.rho = round % 2 == 0 ? 0.8 : 0.4;
+      ExpectGraft(shape.mesh, sphere, RemeshRegion(shape.mesh, {sphere}, options));
+    }
+  }
+}
+
+TEST(RemeshRegion, RefusesARegionThatHoldsNoFace) {
+  CollectingSink sink;
+  const auto report = Remesh({testing::Icosphere(2), {}, Region{RegionSphere{{5, 0, 0}, 1}}}, sink, {});
+  EXPECT_THAT(report, StatusIs(absl::StatusCode::kInvalidArgument, "options.region is empty"));
+  EXPECT_THAT(report, StatusIs(absl::StatusCode::kInvalidArgument, "the mesh lies between"));
+  EXPECT_TRUE(sink.mesh.triangles.empty());
+}
+
+TEST(RemeshRegion, RefusesAFaceThatTheInputDoesNotHave) {
+  CollectingSink sink;
+  EXPECT_THAT(Remesh({testing::Icosphere(1), {}, Region{RegionFaces{3, 80}}}, sink, {}),
+              StatusIs(absl::StatusCode::kInvalidArgument, "options.region.faces names face 80 (entry 1)"));
+}
+
+TEST(RemeshRegion, OfEverythingIsTheSameAsNone) {
+  const TriangleMesh mesh = testing::Icosphere(3);
+  const Result whole = RemeshRegion(mesh, {RegionSphere{{0, 0, 0}, 2}});
+  CollectingSink sink;
+  ASSERT_THAT(Remesh({mesh, {}, {}}, sink, {}), IsOk());
+  EXPECT_EQ(whole.mesh.triangles, sink.mesh.triangles);
+  EXPECT_EQ(whole.mesh.positions, sink.mesh.positions);
+  EXPECT_EQ(whole.report.region->kept_triangles, 0u);
+  EXPECT_EQ(whole.report.region->replaced_triangles, mesh.triangles.size());
+}
+
+// Two squares of a sheet that touch in a corner.
+TEST(RemeshRegion, JoinsPartsThatTouchInAVertex) {
+  const TriangleMesh mesh = testing::Sheet(8);
+  RegionFaces faces;
+  for (uint32_t f = 0; f < mesh.triangles.size(); ++f) {
+    Vec3 middle;
+    for (const VertexId v : mesh.triangles[f]) middle += mesh.PositionAt(v) / 3.0;
+    const bool first = middle.x > -0.5 && middle.x < 0 && middle.y > -0.5 && middle.y < 0;
+    const bool second = middle.x > 0 && middle.x < 0.5 && middle.y > 0 && middle.y < 0.5;
+    if (first || second) faces.push_back(f);
+  }
+  ASSERT_EQ(faces.size(), 16u);
+  RemeshOptions options;
+  options.max_edge = Length{0.1, false};
+  const Result result = RemeshRegion(mesh, {faces}, options);
+  EXPECT_THAT(result.mesh, testing::IsManifold());
+  EXPECT_EQ(result.report.region->replaced_triangles, 16u);
+  EXPECT_EQ(MeasureTopology(result.mesh).boundary_loops, 1u);
+}
+
+// The faces are numbered before repair: here each vertex comes several times, and a face without area is dropped in front of them.
+TEST(RemeshRegion, NumbersFacesAsTheyWereBeforeRepair) {
+  const TriangleMesh ball = testing::Icosphere(3);
+  TriangleMesh mesh = testing::Soup(ball);
+  mesh.triangles.insert(mesh.triangles.begin(), {VertexId(0), VertexId(0), VertexId(1)});
+  RegionFaces faces;
+  std::set<FaceBits> chosen;
+  for (uint32_t f = 1; f < mesh.triangles.size(); ++f) {
+    if (!IsInside({{0, 0, 1}, 0.5}, mesh, mesh.triangles[f])) continue;
+    faces.push_back(f);
+    chosen.insert(FaceOf(mesh, mesh.triangles[f]));
+  }
+  RemeshOptions options;
+  options.rho = 0.2;
+  Region region{faces};
+  region.patch_only = true;
+  const Result patch = RemeshRegion(mesh, region, options);
+  EXPECT_EQ(patch.report.region->replaced_triangles, faces.size());
+  faces.insert(faces.begin(), 0);  // the one that repair dropped is gone, too
+  EXPECT_EQ(patch.report.region->removed_faces, faces);
+  EXPECT_THAT(patch.report.warnings, Contains(HasSubstr("dropped 1 anywhere")));
+  const Result whole = RemeshRegion(mesh, {RegionFaces(faces.begin() + 1, faces.end())}, options);
+  EXPECT_TRUE(MeasureTopology(whole.mesh).closed);
+  EXPECT_THAT(whole.mesh, testing::IsManifold());
+}
+
+TEST(RemeshRegion, HandsOnThePatchAlone) {
+  const TriangleMesh mesh = testing::Icosphere(4);
+  const RegionSphere sphere{{0, 0, 1}, 0.6};
+  Region region{sphere};
+  const Result whole = RemeshRegion(mesh, region);
+  region.patch_only = true;
+  const Result patch = RemeshRegion(mesh, region);
+  EXPECT_EQ(patch.mesh.triangles.size(), whole.report.region->new_triangles);
+  EXPECT_EQ(patch.report.region->removed_faces.size(), whole.report.region->replaced_triangles);
+  EXPECT_EQ(patch.report.output.boundary_loops, 1u);
+  for (const uint32_t f : patch.report.region->removed_faces) EXPECT_TRUE(IsInside(sphere, mesh, mesh.triangles[f]));
+}
+
+// The mean of the edges at the vertices that lie `from` to `to` away from the border, inwards.
+double MeanEdge(const TriangleMesh& mesh, const Vec3& center, double from, double to) {
+  double sum = 0;
+  int count = 0;
+  for (const Triangle& t : mesh.triangles) {
+    for (int i = 0; i < 3; ++i) {
+      const Vec3 &a = mesh.PositionAt(t[i]), &b = mesh.PositionAt(t[(i + 1) % 3]);
+      const double distance = Distance(0.5 * (a + b), center);
+      if (distance >= from && distance < to) sum += Distance(a, b), ++count;
+    }
+  }
+  return sum / count;
+}
+
+// A sheet of edges of 0.05, remeshed to 0.15 within a circle of 0.9: at the border edges are as the border's, far inside as asked for.
+TEST(RemeshRegion, BlendsFromTheBordersEdgesToThoseWanted) {
+  RemeshOptions options;
+  options.sizing = Sizing::kUniform;
+  options.edge_length = Length{0.15, false};
+  options.blend = 6;
+  const Region region{RegionSphere{{0, 0, 0}, 0.9}, true};
+  const Result coarse = RemeshRegion(testing::Sheet(40), region, options);
+  const double border = MeanEdge(coarse.mesh, {}, 0.84, 0.9);
+  EXPECT_NEAR(border, 0.057, 0.012);
+  EXPECT_NEAR(MeanEdge(coarse.mesh, {}, 0, 0.3), 0.15, 0.02);
+  EXPECT_GT(MeanEdge(coarse.mesh, {}, 0.65, 0.75), 1.2 * border);
+  options.edge_length = Length{0.02, false};
+  const Result fine = RemeshRegion(testing::Sheet(40), region, options);
+  EXPECT_NEAR(MeanEdge(fine.mesh, {}, 0, 0.4), 0.02, 0.003);
+  EXPECT_GT(MeanEdge(fine.mesh, {}, 0.8, 0.9), 0.035);
+}
+
+TEST(RemeshRegion, CountsTheNewTrianglesWhereANumberIsWanted) {
+  RemeshOptions options;
+  options.target_triangles = 1500;
+  const Result result = RemeshRegion(testing::Icosphere(5), {RegionSphere{{0, 0, 1}, 0.8}}, options);
+  EXPECT_NEAR(static_cast<double>(result.report.region->new_triangles), 1500, 0.03 * 1500);
+}
+
+TEST(RemeshRegion, KeepsTheDirectionOfWhatFacesInwards) {
+  const TriangleMesh mesh = testing::Reversed(testing::Icosphere(3));
+  const RegionSphere sphere{{0, 0, 1}, 0.7};
+  ExpectGraft(mesh, sphere, RemeshRegion(mesh, {sphere}));
+}
+
+TEST(RemeshRegion, KeepsCoordinatesThatSquaresCannotHold) {
+  const TriangleMesh mesh = testing::Scaled(testing::Icosphere(3), 1e140);
+  const RegionSphere sphere{{0, 0, 1e140}, 0.7e140};
+  ExpectGraft(mesh, sphere, RemeshRegion(mesh, {sphere}));
+}
+
+TEST(RemeshRegion, GivesTheSameBitsAtAnyThreadCount) {
+  const TriangleMesh mesh = testing::GenusThree(40);
+  const Region region{RegionSphere{mesh.positions[100], 0.5}};
+  CollectingSink one, four;
+  Context context;
+  ASSERT_THAT(Remesh({mesh, {}, region}, one, context), IsOk());
+  context.threads = 4;
+  ASSERT_THAT(Remesh({mesh, {}, region}, four, context), IsOk());
+  EXPECT_EQ(one.mesh.positions, four.mesh.positions);
+  EXPECT_EQ(one.mesh.triangles, four.mesh.triangles);
+}
+
+}  // namespace
+}  // namespace meshfront
