@@ -1,7 +1,8 @@
 // Measure asks the surface for far places. Where parts are doubtful, or the surface can't tell: SettleParts, if it has pieces. The distance
 // to a piece is convex, so that over a part it is largest at a corner: a part keeps the bound if its corners do with the piece next to
 // one of them, or if one has so much left that the way to the others can't use it up. Other parts are halved across their longest side,
-// in the order in which they came, up to kMaxParts; where anything is left then, the bound is not kept.
+// in the order in which they came, up to kMaxParts; where anything is left then, the bound is not kept. Where it need not be certain they
+// are few, and what is left is let go.
 //
 // Surfaces without pieces: by a recursion over parts of the triangle (Halve).
 //
@@ -26,7 +27,9 @@
 namespace meshfront {
 namespace {
 
-constexpr size_t kMaxParts = 2000;
+constexpr size_t kMaxParts = 2000, kMaxPartsOfUncertain = 40;
+// What seems near: seven places up to this part of the bound, and the normal agrees so well with the surface's at its corners.
+constexpr double kSeemsNear = 0.45, kSeemsToAgree = 0.9;
 constexpr int kMinHalvings = 3, kMaxHalvings = 7;
 // How much more than at its corners the distance may be inside a part, in bends over its parent's sides. A smooth surface bends over
 // half a side by a quarter of what it bends over the whole, a ridge by half at most.
@@ -49,6 +52,25 @@ void DeviationMeter::Note(const PlaceAndFoot& at) {
   const double gap = at.Gap();
   if (gap > found_.largest) found_.largest = gap, found_.worst = at;
   if (gap > bound_) found_.is_kept = false;
+}
+
+bool DeviationMeter::SeemsNear(const std::array<PlaceAndFoot, 3>& c, const TriangleFeet* feet) const {
+  const double near2 = kSeemsNear * kSeemsNear * bound_ * bound_;
+  const Vec3 area = AreaVector(c[0].place, c[1].place, c[2].place);
+  const double least = kSeemsToAgree * Norm(area);
+  for (const PlaceAndFoot& at : c) {
+    if (!(SquaredDistance(at.place, at.foot.position) <= near2 && Dot(at.foot.normal, area) >= least)) return false;
+  }
+  const Vec3 centroid = (c[0].place + c[1].place + c[2].place) / 3.0;
+  SourcePoint start;
+  if (!feet) start = surface_.Foot(c[0].foot, centroid);
+  if (!(SquaredDistance(centroid, feet ? feet->centroid : start.position) <= near2)) return false;
+  for (int side = 0; side < 3; ++side) {
+    const Vec3 middle = 0.5 * (c[side].place + c[(side + 1) % 3].place);
+    const Vec3 foot = feet ? feet->middle[side] : surface_.Foot(start, middle).position;
+    if (!(SquaredDistance(middle, foot) <= near2)) return false;
+  }
+  return true;
 }
 
 Deviation DeviationMeter::Measure(const std::array<PlaceAndFoot, 3>& corners) {
@@ -111,7 +133,8 @@ void DeviationMeter::SettleParts() {
     const std::array<PlaceAndFoot, 3> c = parts_[i];
     const double most = MostOver(c);
     if (most <= bound_) continue;
-    if (parts_.size() >= kMaxParts) {
+    if (parts_.size() >= (certain_ ? kMaxParts : kMaxPartsOfUncertain)) {
+      if (!certain_) return;
       found_.is_kept = false;
       if (most > found_.largest) found_.largest = most;
       return;
