@@ -90,12 +90,24 @@ Deviation DeviationMeter::Measure(const std::array<PlaceAndFoot, 3>& corners) {
   const bool all = surface_.FindFarPlaces(corners[0].foot, {corners[0].place, corners[1].place, corners[2].place},
                                           bound_, beside, far_, doubtful_);
   for (const PlaceAndFoot& c : corners) Note(c);
-  for (const FarPlace& p : far_) {
-    if (!p.is_beside) Note(Closest(p.above, p.below));
-    if (p.is_detail) far_details_.push_back(p);
-  }
+  NoteFar();
   if (found_.is_kept && !(all && doubtful_.empty())) Examine(all);
   return found_;
+}
+
+// The farthest along the normal first: others that are less far than what was found, seen so, need no walk.
+void DeviationMeter::NoteFar() {
+  const auto height2 = [](const FarPlace& p) { return SquaredDistance(p.below, p.above.position); };
+  const FarPlace* farthest = nullptr;
+  for (const FarPlace& p : far_) {
+    if (p.is_detail) far_details_.push_back(p);
+    if (!p.is_beside && (!farthest || height2(p) > height2(*farthest))) farthest = &p;
+  }
+  if (!farthest) return;
+  NoteClosest(farthest->above, farthest->below);
+  for (const FarPlace& p : far_) {
+    if (!p.is_beside && &p != farthest && height2(p) > found_.largest * found_.largest) NoteClosest(p.above, p.below);
+  }
 }
 
 // Looks closer at what the surface could not tell of: the doubtful parts, or everything.
@@ -103,13 +115,22 @@ void DeviationMeter::Examine(bool all) {
   if (!std::isfinite(surface_.DistanceToPieceOf(corners_[0].foot, corners_[0].place))) return Halve(corners_, 0);
   parts_.clear();
   if (!all) parts_.push_back(corners_);
-  for (size_t i = 0; all && i < doubtful_.size(); ++i) {
+  for (size_t i = 0; all && i < doubtful_.size() && (certain_ || found_.is_kept); ++i) {
     const DoubtfulPart& part = doubtful_[i];
-    parts_.emplace_back();
+    const std::array<PlaceAndFoot, 3>* before =
+        i > 0 && part.start.patch == doubtful_[i - 1].start.patch ? &parts_.back() : nullptr;
+    std::array<PlaceAndFoot, 3> places;
     for (int corner = 0; corner < 3; ++corner) {
-      parts_.back()[corner] = Closest(part.start, part.corners[corner]);
-      Note(parts_.back()[corner]);
+      const PlaceAndFoot* known = nullptr;  // parts of one face share places
+      for (int k = 0; before && k < 3; ++k) {
+        if ((*before)[k].place == part.corners[corner]) known = &(*before)[k];
+      }
+      if (known)
+        places[corner] = *known;
+      else
+        Note(places[corner] = Closest(part.start, part.corners[corner]));
     }
+    parts_.push_back(places);
   }
   SettleParts();
 }
@@ -154,13 +175,21 @@ void DeviationMeter::SettleParts() {
 
 // The surface's place next to a place. A walk may end in a hollow beside the closest place: what is beyond the bound is walked to
 // from the triangle's corners as well.
-PlaceAndFoot DeviationMeter::Closest(const SourcePoint& start, const Vec3& place) {
-  PlaceAndFoot closest{place, surface_.Snap(start, place)};
+PlaceAndFoot DeviationMeter::Closest(const SourcePoint& start, const Vec3& place) const {
+  return ClosestFromCorners({place, surface_.Snap(start, place)});
+}
+PlaceAndFoot DeviationMeter::ClosestFromCorners(PlaceAndFoot closest) const {
   for (int i = 0; i < 3 && closest.Gap() > bound_; ++i) {
-    const PlaceAndFoot other{place, surface_.Snap(corners_[i].foot, place)};
+    const PlaceAndFoot other{closest.place, surface_.Snap(corners_[i].foot, closest.place)};
     if (other.Gap() < closest.Gap()) closest = other;
   }
   return closest;
+}
+
+// Notes Closest, as far as that could be more than what was found.
+void DeviationMeter::NoteClosest(const SourcePoint& start, const Vec3& place) {
+  const PlaceAndFoot first{place, surface_.Snap(start, place)};
+  if (first.Gap() > found_.largest) Note(ClosestFromCorners(first));
 }
 
 PlaceAndFoot DeviationMeter::Middle(const PlaceAndFoot& a, const PlaceAndFoot& b) {

@@ -59,7 +59,10 @@ class DeviationMeter {
   double MostOver(const std::array<PlaceAndFoot, 3>& corners) const;
   void Halve(const std::array<PlaceAndFoot, 3>& corners, int halvings);
   double SlopeAt(const PlaceAndFoot& at) const;
-  PlaceAndFoot Closest(const SourcePoint& start, const Vec3& place);
+  PlaceAndFoot Closest(const SourcePoint& start, const Vec3& place) const;
+  PlaceAndFoot ClosestFromCorners(PlaceAndFoot closest) const;
+  void NoteClosest(const SourcePoint& start, const Vec3& place);
+  void NoteFar();
   PlaceAndFoot Middle(const PlaceAndFoot& a, const PlaceAndFoot& b);
 
   const Surface& surface_;
