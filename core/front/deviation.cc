@@ -88,7 +88,7 @@ Deviation DeviationMeter::Measure(const std::array<PlaceAndFoot, 3>& corners) {
   }
   const double beside = agreement < kSharpAgreement || on_rim > 1 ? kBesideSharp : kBesideSmooth;
   const bool all = surface_.FindFarPlaces(corners[0].foot, {corners[0].place, corners[1].place, corners[2].place},
-                                          bound_, beside, far_, doubtful_);
+                                          bound_, beside, far_, certain_ ? &doubtful_ : nullptr);
   for (const PlaceAndFoot& c : corners) Note(c);
   NoteFar();
   if (found_.is_kept && !(all && doubtful_.empty())) Examine(all);
@@ -104,9 +104,9 @@ void DeviationMeter::NoteFar() {
     if (!p.is_beside && (!farthest || height2(p) > height2(*farthest))) farthest = &p;
   }
   if (!farthest) return;
-  NoteClosest(farthest->above, farthest->below);
+  Note(Closest(farthest->above, farthest->below));
   for (const FarPlace& p : far_) {
-    if (!p.is_beside && &p != farthest && height2(p) > found_.largest * found_.largest) NoteClosest(p.above, p.below);
+    if (!p.is_beside && &p != farthest && height2(p) > found_.largest * found_.largest) Note(Closest(p.above, p.below));
   }
 }
 
@@ -173,23 +173,20 @@ void DeviationMeter::SettleParts() {
   }
 }
 
-// The surface's place next to a place. A walk may end in a hollow beside the closest place: what is beyond the bound is walked to
-// from the triangle's corners as well.
+// The surface's place next to a place: from the triangle's nearest corner, which is the shortest way, and where that ends beyond the bound,
+// as in a hollow beside the closest place, from `start` and from the other corners as well.
 PlaceAndFoot DeviationMeter::Closest(const SourcePoint& start, const Vec3& place) const {
-  return ClosestFromCorners({place, surface_.Snap(start, place)});
-}
-PlaceAndFoot DeviationMeter::ClosestFromCorners(PlaceAndFoot closest) const {
-  for (int i = 0; i < 3 && closest.Gap() > bound_; ++i) {
-    const PlaceAndFoot other{closest.place, surface_.Snap(corners_[i].foot, closest.place)};
+  const auto distance2 = [&](int i) { return SquaredDistance(corners_[i].place, place); };
+  int nearest = distance2(1) < distance2(0) ? 1 : 0;
+  if (distance2(2) < distance2(nearest)) nearest = 2;
+  const std::array<const SourcePoint*, 4> starts = {&corners_[nearest].foot, &start, &corners_[(nearest + 1) % 3].foot,
+                                                    &corners_[(nearest + 2) % 3].foot};
+  PlaceAndFoot closest{place, surface_.Snap(*starts[0], place)};
+  for (int i = 1; i < 4 && closest.Gap() > bound_; ++i) {
+    const PlaceAndFoot other{place, surface_.Snap(*starts[i], place)};
     if (other.Gap() < closest.Gap()) closest = other;
   }
   return closest;
-}
-
-// Notes Closest, as far as that could be more than what was found.
-void DeviationMeter::NoteClosest(const SourcePoint& start, const Vec3& place) {
-  const PlaceAndFoot first{place, surface_.Snap(start, place)};
-  if (first.Gap() > found_.largest) Note(ClosestFromCorners(first));
 }
 
 PlaceAndFoot DeviationMeter::Middle(const PlaceAndFoot& a, const PlaceAndFoot& b) {

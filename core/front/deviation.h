@@ -60,8 +60,6 @@ class DeviationMeter {
   void Halve(const std::array<PlaceAndFoot, 3>& corners, int halvings);
   double SlopeAt(const PlaceAndFoot& at) const;
   PlaceAndFoot Closest(const SourcePoint& start, const Vec3& place) const;
-  PlaceAndFoot ClosestFromCorners(PlaceAndFoot closest) const;
-  void NoteClosest(const SourcePoint& start, const Vec3& place);
   void NoteFar();
   PlaceAndFoot Middle(const PlaceAndFoot& a, const PlaceAndFoot& b);
 

@@ -121,7 +121,12 @@ Polygon ClippedAgainst(int side, const Polygon& polygon) {
 class ShadowCaster {
  public:
   ShadowCaster(const FaceView& mesh, const ShadowFrame& frame, const ShadowBounds& bounds, Shadow& shadow)
-      : mesh_(mesh), frame_(frame), bound_(bounds.distance), beside_(bounds.beside), shadow_(shadow) {}
+      : mesh_(mesh),
+        frame_(frame),
+        bound_(bounds.distance),
+        beside_(bounds.beside),
+        with_doubtful_(bounds.with_doubtful),
+        shadow_(shadow) {}
 
   // All faces over the triangle, from one on. False where they are too many.
   bool LookAtAll(uint32_t start) {
@@ -141,7 +146,7 @@ class ShadowCaster {
     for (int side = 0; side < 3; ++side) {
       if (strip_[side] >= kProbe[side]) shadow_.is_whole = false;
     }
-    for (int side = 0; side < 3 && shadow_.is_whole; ++side) {
+    for (int side = 0; side < 3 && shadow_.is_whole && with_doubtful_; ++side) {
       if (strip_[side] > 0) AddStrip(side);
     }
   }
@@ -236,7 +241,7 @@ class ShadowCaster {
       if (LeastWeight(a) >= -beside_) AddIfFar(face, i, 0, a);
       if (!LieBeside(a, b, 0)) CrossSides(face, i, a, b);
     }
-    AddIfDoubtful(face, corners);
+    if (with_doubtful_) AddIfDoubtful(face, corners);
   }
   // What the face covers of the triangle, if a corner of that is too far from it.
   void AddIfDoubtful(uint32_t face, const Over (&corners)[3]) {
@@ -287,6 +292,7 @@ class ShadowCaster {
   const FaceView& mesh_;
   const ShadowFrame& frame_;
   const double bound_, beside_;
+  const bool with_doubtful_;
   Shadow& shadow_;
   Scratch& scratch_ = ThreadScratch();
   int cover_ = 0;         // of the probe
