@@ -135,12 +135,12 @@ void Scale(Preparation& p, Report& report) {
   for (Vec3& place : report.open_places) place = place / p.scale;
 }
 
-// Where refinement could not keep max_error: beside edges that may not be shorter. Where a count is wanted it is not asked for.
+// Where refinement could not keep max_error: beside edges that may not be shorter. Where a count is wanted it is not asked for, and
+// what is within it is not told from what is within what gets refined.
 void WarnOfDeviations(const FrontReport& front, double scale, Report& report) {
-  if (front.beyond_max_error == 0) return;
   const double largest = front.largest_deviation / scale;
   report.error_bound = std::max(report.error_bound, largest);
-  if (report.parameters.target_triangles > 0) return;
+  if (report.parameters.target_triangles > 0 || front.beyond_max_error == 0) return;
   const Vec3 place = front.farthest_place / scale;
   report.warnings.push_back(absl::StrCat(front.beyond_max_error, " of ", front.triangles,
                                          " triangles are farther from the surface than max_error (",

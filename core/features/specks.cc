@@ -5,8 +5,10 @@
 // the front then runs over itself.
 #include "core/features/specks.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <vector>
 
 #include "core/features/tolerances.h"
 
@@ -90,14 +92,24 @@ void SpeckFinder::LabelPatches() {
   for (const uint32_t label : patches_.label) ++sizes_[label];
 }
 
+// Large faces are in none.
 void SpeckFinder::LabelClusters() {
-  FaceAdjacency small{adjacency_.opposite, {}};
-  for (uint32_t f = 0; f < small.opposite.size(); ++f) {
-    for (uint32_t& across : small.opposite[f]) {
-      if (across != kNoHalfEdge && (IsLarge(f) || IsLarge(across / 3))) across = kNoHalfEdge;
+  cluster_of_.label.assign(mesh_.triangles.size(), kNoHalfEdge);
+  std::vector<uint32_t> pending;
+  for (uint32_t seed = 0; seed < mesh_.triangles.size(); ++seed) {
+    if (IsLarge(seed) || cluster_of_.label[seed] != kNoHalfEdge) continue;
+    cluster_of_.label[seed] = cluster_of_.count;
+    for (pending.push_back(seed); !pending.empty();) {
+      const uint32_t f = pending.back();
+      pending.pop_back();
+      for (const uint32_t h : adjacency_.opposite[f]) {
+        if (h == kNoHalfEdge || IsLarge(h / 3) || cluster_of_.label[h / 3] != kNoHalfEdge) continue;
+        cluster_of_.label[h / 3] = cluster_of_.count;
+        pending.push_back(h / 3);
+      }
     }
+    ++cluster_of_.count;
   }
-  cluster_of_ = LabelComponents(small);
 }
 
 void SpeckFinder::MeasureFaces() {
@@ -121,7 +133,12 @@ void SpeckFinder::MeasureFaces() {
 // Where two creases meet at a vertex and no more: how far the line turns there. And anywhere: whether two leave side by side.
 void SpeckFinder::MeasureCreases() {
   std::vector<uint32_t> leaving;
+  std::vector<uint8_t> is_at_crease(mesh_.positions.size(), 0);
+  for (uint32_t h = 0; h < creases_.size(); ++h) {
+    if (creases_[h]) is_at_crease[OriginOf(mesh_, h).index()] = 1;
+  }
   for (uint32_t v = 0; v < mesh_.positions.size(); ++v) {
+    if (!is_at_crease[v]) continue;
     leaving.clear();
     VisitOutgoing(adjacency_, v, [&](uint32_t h) {
       if (creases_[h]) leaving.push_back(h);
@@ -164,6 +181,7 @@ bool SpeckFinder::IsSpeck(const Cluster& c) const {
 
 std::vector<bool> FindSpecks(const TriangleMesh& mesh, const FaceAdjacency& adjacency, const std::vector<bool>& creases,
                              uint32_t most_faces) {
+  if (std::find(creases.begin(), creases.end(), true) == creases.end()) return std::vector<bool>(creases.size());
   return SpeckFinder(mesh, adjacency, creases, most_faces).Run();
 }
 

@@ -1,7 +1,8 @@
 // Measure asks the surface for far places. Where parts are doubtful, or the surface can't tell: SettleParts, if it has pieces. The distance
 // to a piece is convex, so that over a part it is largest at a corner: a part keeps the bound if its corners do with the piece next to
 // one of them, or if one has so much left that the way to the others can't use it up. Other parts are halved across their longest side,
-// in the order in which they came, up to kMaxParts; where anything is left then, the bound is not kept.
+// in the order in which they came, up to kMaxParts; where anything is left then, the bound is not kept. Where it need not be certain they
+// are few, and what is left is let go.
 //
 // Surfaces without pieces: by a recursion over parts of the triangle (Halve).
 //
@@ -26,7 +27,9 @@
 namespace meshfront {
 namespace {
 
-constexpr size_t kMaxParts = 2000;
+constexpr size_t kMaxParts = 2000, kMaxPartsOfUncertain = 40;
+// What seems near: seven places up to this part of the bound, and the normal agrees so well with the surface's at its corners.
+constexpr double kSeemsNear = 0.45, kSeemsToAgree = 0.9;
 constexpr int kMinHalvings = 3, kMaxHalvings = 7;
 // How much more than at its corners the distance may be inside a part, in bends over its parent's sides. A smooth surface bends over
 // half a side by a quarter of what it bends over the whole, a ridge by half at most.
@@ -51,6 +54,25 @@ void DeviationMeter::Note(const PlaceAndFoot& at) {
   if (gap > bound_) found_.is_kept = false;
 }
 
+bool DeviationMeter::SeemsNear(const std::array<PlaceAndFoot, 3>& c, const TriangleFeet* feet) const {
+  const double near2 = kSeemsNear * kSeemsNear * bound_ * bound_;
+  const Vec3 area = AreaVector(c[0].place, c[1].place, c[2].place);
+  const double least = kSeemsToAgree * Norm(area);
+  for (const PlaceAndFoot& at : c) {
+    if (!(SquaredDistance(at.place, at.foot.position) <= near2 && Dot(at.foot.normal, area) >= least)) return false;
+  }
+  const Vec3 centroid = (c[0].place + c[1].place + c[2].place) / 3.0;
+  SourcePoint start;
+  if (!feet) start = surface_.Foot(c[0].foot, centroid);
+  if (!(SquaredDistance(centroid, feet ? feet->centroid : start.position) <= near2)) return false;
+  for (int side = 0; side < 3; ++side) {
+    const Vec3 middle = 0.5 * (c[side].place + c[(side + 1) % 3].place);
+    const Vec3 foot = feet ? feet->middle[side] : surface_.Foot(start, middle).position;
+    if (!(SquaredDistance(middle, foot) <= near2)) return false;
+  }
+  return true;
+}
+
 Deviation DeviationMeter::Measure(const std::array<PlaceAndFoot, 3>& corners) {
   corners_ = corners;
   found_ = {};
@@ -66,14 +88,26 @@ Deviation DeviationMeter::Measure(const std::array<PlaceAndFoot, 3>& corners) {
   }
   const double beside = agreement < kSharpAgreement || on_rim > 1 ? kBesideSharp : kBesideSmooth;
   const bool all = surface_.FindFarPlaces(corners[0].foot, {corners[0].place, corners[1].place, corners[2].place},
-                                          bound_, beside, far_, doubtful_);
+                                          bound_, beside, far_, certain_ ? &doubtful_ : nullptr);
   for (const PlaceAndFoot& c : corners) Note(c);
-  for (const FarPlace& p : far_) {
-    if (!p.is_beside) Note(Closest(p.above, p.below));
-    if (p.is_detail) far_details_.push_back(p);
-  }
+  NoteFar();
   if (found_.is_kept && !(all && doubtful_.empty())) Examine(all);
   return found_;
+}
+
+// The farthest along the normal first: others that are less far than what was found, seen so, need no walk.
+void DeviationMeter::NoteFar() {
+  const auto height2 = [](const FarPlace& p) { return SquaredDistance(p.below, p.above.position); };
+  const FarPlace* farthest = nullptr;
+  for (const FarPlace& p : far_) {
+    if (p.is_detail) far_details_.push_back(p);
+    if (!p.is_beside && (!farthest || height2(p) > height2(*farthest))) farthest = &p;
+  }
+  if (!farthest) return;
+  Note(Closest(farthest->above, farthest->below));
+  for (const FarPlace& p : far_) {
+    if (!p.is_beside && &p != farthest && height2(p) > found_.largest * found_.largest) Note(Closest(p.above, p.below));
+  }
 }
 
 // Looks closer at what the surface could not tell of: the doubtful parts, or everything.
@@ -81,13 +115,22 @@ void DeviationMeter::Examine(bool all) {
   if (!std::isfinite(surface_.DistanceToPieceOf(corners_[0].foot, corners_[0].place))) return Halve(corners_, 0);
   parts_.clear();
   if (!all) parts_.push_back(corners_);
-  for (size_t i = 0; all && i < doubtful_.size(); ++i) {
+  for (size_t i = 0; all && i < doubtful_.size() && (certain_ || found_.is_kept); ++i) {
     const DoubtfulPart& part = doubtful_[i];
-    parts_.emplace_back();
+    const std::array<PlaceAndFoot, 3>* before =
+        i > 0 && part.start.patch == doubtful_[i - 1].start.patch ? &parts_.back() : nullptr;
+    std::array<PlaceAndFoot, 3> places;
     for (int corner = 0; corner < 3; ++corner) {
-      parts_.back()[corner] = Closest(part.start, part.corners[corner]);
-      Note(parts_.back()[corner]);
+      const PlaceAndFoot* known = nullptr;  // parts of one face share places
+      for (int k = 0; before && k < 3; ++k) {
+        if ((*before)[k].place == part.corners[corner]) known = &(*before)[k];
+      }
+      if (known)
+        places[corner] = *known;
+      else
+        Note(places[corner] = Closest(part.start, part.corners[corner]));
     }
+    parts_.push_back(places);
   }
   SettleParts();
 }
@@ -111,7 +154,8 @@ void DeviationMeter::SettleParts() {
     const std::array<PlaceAndFoot, 3> c = parts_[i];
     const double most = MostOver(c);
     if (most <= bound_) continue;
-    if (parts_.size() >= kMaxParts) {
+    if (parts_.size() >= (certain_ ? kMaxParts : kMaxPartsOfUncertain)) {
+      if (!certain_) return;
       found_.is_kept = false;
       if (most > found_.largest) found_.largest = most;
       return;
@@ -129,12 +173,17 @@ void DeviationMeter::SettleParts() {
   }
 }
 
-// The surface's place next to a place. A walk may end in a hollow beside the closest place: what is beyond the bound is walked to
-// from the triangle's corners as well.
-PlaceAndFoot DeviationMeter::Closest(const SourcePoint& start, const Vec3& place) {
-  PlaceAndFoot closest{place, surface_.Snap(start, place)};
-  for (int i = 0; i < 3 && closest.Gap() > bound_; ++i) {
-    const PlaceAndFoot other{place, surface_.Snap(corners_[i].foot, place)};
+// The surface's place next to a place: from the triangle's nearest corner, which is the shortest way, and where that ends beyond the bound,
+// as in a hollow beside the closest place, from `start` and from the other corners as well.
+PlaceAndFoot DeviationMeter::Closest(const SourcePoint& start, const Vec3& place) const {
+  const auto distance2 = [&](int i) { return SquaredDistance(corners_[i].place, place); };
+  int nearest = distance2(1) < distance2(0) ? 1 : 0;
+  if (distance2(2) < distance2(nearest)) nearest = 2;
+  const std::array<const SourcePoint*, 4> starts = {&corners_[nearest].foot, &start, &corners_[(nearest + 1) % 3].foot,
+                                                    &corners_[(nearest + 2) % 3].foot};
+  PlaceAndFoot closest{place, surface_.Snap(*starts[0], place)};
+  for (int i = 1; i < 4 && closest.Gap() > bound_; ++i) {
+    const PlaceAndFoot other{place, surface_.Snap(*starts[i], place)};
     if (other.Gap() < closest.Gap()) closest = other;
   }
   return closest;

@@ -22,10 +22,21 @@ struct Deviation {
   bool is_kept = true;  // nowhere beyond the bound
 };
 
+// The places of the surface closest to a triangle's centroid and to the middles of its sides, about.
+struct TriangleFeet {
+  Vec3 centroid, middle[3];
+};
+
 // Measures triangles against one bound. Scratch inside: one for each thread.
 class DeviationMeter {
  public:
-  DeviationMeter(const Surface& surface, double bound) : surface_(surface), bound_(bound) {}
+  // `certain`: what can't be shown to keep the bound does not; else what was not seen to exceed it keeps it.
+  DeviationMeter(const Surface& surface, double bound, bool certain = true)
+      : surface_(surface), bound_(bound), certain_(certain) {}
+
+  // Whether a triangle seems to keep the bound by far: its corners, its centroid and the middles of its sides are near, and it does not
+  // bend away from the surface. True of most triangles, and wrong of one in some thousands. `feet`: else they are walked to.
+  bool SeemsNear(const std::array<PlaceAndFoot, 3>& corners, const TriangleFeet* feet) const;
 
   // Whether a triangle stays within the bound of the surface. The feet of the corners are starting points of walks, on the surface
   // next to the corners, and need not be closest.
@@ -48,11 +59,13 @@ class DeviationMeter {
   double MostOver(const std::array<PlaceAndFoot, 3>& corners) const;
   void Halve(const std::array<PlaceAndFoot, 3>& corners, int halvings);
   double SlopeAt(const PlaceAndFoot& at) const;
-  PlaceAndFoot Closest(const SourcePoint& start, const Vec3& place);
+  PlaceAndFoot Closest(const SourcePoint& start, const Vec3& place) const;
+  void NoteFar();
   PlaceAndFoot Middle(const PlaceAndFoot& a, const PlaceAndFoot& b);
 
   const Surface& surface_;
   const double bound_;
+  const bool certain_;
   std::array<PlaceAndFoot, 3> corners_;
   Vec3 normal_;
   Deviation found_;

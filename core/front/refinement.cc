@@ -61,8 +61,7 @@ Deviation Refinement::Measure(WindowTriangleId id) {
 
 void Refinement::Enclose(WindowTriangleId id) {
   WindowTriangle& t = fronts_.at(id);
-  std::array<PlaceAndFoot, 3> places;
-  for (int i = 0; i < 3; ++i) places[i] = {fronts_.at(t.corners[i]).position, fronts_.at(t.corners[i]).source};
+  const std::array<PlaceAndFoot, 3> places = PlacesOf(t.corners);
   double within = std::max(t.deviation, max_error_);
   for (int step = 0; step < kEnclosingSteps; ++step, within *= kEnclosingStep) {
     if (DeviationMeter(surface_, within).Measure(places).is_kept) break;
@@ -70,9 +69,22 @@ void Refinement::Enclose(WindowTriangleId id) {
   t.deviation = within;
 }
 
-Deviation Refinement::MeasureCorners(const Corners& corners) {
+std::array<PlaceAndFoot, 3> Refinement::PlacesOf(const Corners& corners) const {
   std::array<PlaceAndFoot, 3> places;
   for (int i = 0; i < 3; ++i) places[i] = {fronts_.at(corners[i]).position, fronts_.at(corners[i]).source};
+  return places;
+}
+
+bool Refinement::NeedNotBeMeasured(WindowTriangleId id, const TriangleFeet& feet) {
+  WindowTriangle& t = fronts_.at(id);
+  if (certain_ || !meter_.SeemsNear(PlacesOf(t.corners), &feet)) return false;
+  t.deviation = 0;
+  return true;
+}
+
+Deviation Refinement::MeasureCorners(const Corners& corners) {
+  const std::array<PlaceAndFoot, 3> places = PlacesOf(corners);
+  if (!certain_ && meter_.SeemsNear(places, nullptr)) return {};
   Deviation deviation = meter_.Measure(places);
   MeasureDetails(corners, deviation);
   return deviation;

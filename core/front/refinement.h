@@ -19,15 +19,19 @@ class Refinement {
     kAnyShape,    // the same, though slivers come of it
   };
 
-  // `depth`: of vertices, from which on they may get new triangles; `min_edge`: no shorter ones are made.
-  Refinement(const Surface& surface, FrontSet& fronts, double max_error, double min_edge, uint32_t depth)
+  // `depth`: of vertices, from which on they may get new triangles; `min_edge`: no shorter ones are made; `certain`: that max_error is
+  // kept is to be shown, not only seen.
+  Refinement(const Surface& surface, FrontSet& fronts, double max_error, double min_edge, uint32_t depth, bool certain)
       : surface_(surface),
         fronts_(fronts),
         max_error_(kAimedAt * max_error),
         min_edge_(min_edge),
         depth_(depth),
-        meter_(surface, max_error_) {}
+        certain_(certain),
+        meter_(surface, max_error_, certain) {}
 
+  // Whether a triangle need not be measured; if so, writes down that it keeps the bound. Never where that is to be shown.
+  bool NeedNotBeMeasured(WindowTriangleId t, const TriangleFeet& feet);
   // Measures how far triangle and surface are apart, both ways, and writes it down at the triangle.
   Deviation Measure(WindowTriangleId t);
   // Writes down of a triangle that is beyond the bound what it is certainly within, about to a twentieth.
@@ -46,6 +50,7 @@ class Refinement {
 
  private:
   using Corners = std::array<WindowVertexId, 3>;
+  std::array<PlaceAndFoot, 3> PlacesOf(const Corners& corners) const;
   Deviation MeasureCorners(const Corners& corners);
   void MeasureDetails(const Corners& corners, Deviation& deviation);
   double DistanceToOutput(const Vec3& place, const Corners& corners) const;
@@ -92,6 +97,7 @@ class Refinement {
 
   const double max_error_, min_edge_;
   const uint32_t depth_;
+  const bool certain_;
   DeviationMeter meter_;
   double least_ratio_ = 0;  // of new triangles
   uint64_t rim_insertions_ = 0;

@@ -129,6 +129,7 @@ void SettlingWindow::ChooseVertices() {
 // The triangles that have a wanted corner.
 void SettlingWindow::GatherAround(const std::vector<uint8_t>& wanted) {
   around_.clear();
+  feet_.clear();
   place_in_around_.assign(fronts_.triangle_slots(), kNotAround);
   for (uint32_t i = 0; i < fronts_.triangle_slots(); ++i) {
     const WindowTriangle& t = fronts_.at(WindowTriangleId(i));
@@ -406,7 +407,7 @@ void SettlingWindow::FitVertex(WindowVertexId id) {
     total_area += area;
     least_edge2 = std::min(least_edge2, std::max({s.opposite2, from.squared, to.squared}));
     spoke += from.length / static_cast<double>(ring_.size());
-    const Feet& feet = feet_[place_in_around_[s.triangle.index()]];
+    const TriangleFeet& feet = feet_[place_in_around_[s.triangle.index()]];
     sample((v.position + s.from + s.to) / 3.0, feet.centroid, 0.45 * area, 1.0 / 3);
     sample(0.5 * (v.position + s.from), feet.middle[s.corner], 2 * area * (2.0 / 15), 0.5);
     from = to;
@@ -475,11 +476,13 @@ bool SettlingWindow::IsReached(WindowTriangleId id) const {
   return t.alive && std::all_of(t.corners.begin(), t.corners.end(), is_reached);
 }
 
-// The triangles around that may be refined.
-std::vector<WindowTriangleId> SettlingWindow::ReachedTriangles() const {
+// The triangles around that may be refined, without those that what the fit has seen of them tells to need it least.
+std::vector<WindowTriangleId> SettlingWindow::DoubtfulTriangles() {
   std::vector<WindowTriangleId> doubtful;
-  std::copy_if(around_.begin(), around_.end(), std::back_inserter(doubtful),
-               [&](WindowTriangleId t) { return IsReached(t); });
+  for (size_t i = 0; i < around_.size(); ++i) {
+    const WindowTriangleId t = around_[i];
+    if (IsReached(t) && !(i < feet_.size() && refinement_.NeedNotBeMeasured(t, feet_[i]))) doubtful.push_back(t);
+  }
   return doubtful;
 }
 
@@ -533,7 +536,7 @@ size_t SettlingWindow::InsertionsLeft() const {
 void SettlingWindow::KeepMaxError(const Context& context) {
   std::vector<WindowTriangleId> all = around_;
   const auto refine = [&](Refinement::Manner manner) {
-    const std::vector<WindowVertexId> made = refinement_.Refine(ReachedTriangles(), manner, InsertionsLeft());
+    const std::vector<WindowVertexId> made = refinement_.Refine(DoubtfulTriangles(), manner, InsertionsLeft());
     counts_.insertions += made.size();
     if (made.empty() || !context.CheckStop().ok()) return false;
     ChooseNear(made);
@@ -546,6 +549,7 @@ void SettlingWindow::KeepMaxError(const Context& context) {
   while (round < kMovedRounds && refine(Refinement::Manner::kSides)) ++round;
   while (round < kMovedRounds + kPlainRounds && refine(Refinement::Manner::kWorstPlace)) ++round;
   around_ = MadeUnique(all);
+  feet_.clear();
   if (IsBeyondMended()) {
     const auto is_within = [&](WindowTriangleId t) { return !IsBeyond(t); };
     around_.erase(std::remove_if(around_.begin(), around_.end(), is_within), around_.end());
@@ -686,6 +690,8 @@ absl::Status SettlingWindow::Emit(bool everything) {
     triangles.push_back(out);
     kinds.push_back(t.kind);
     if (std::isfinite(options_.max_error)) {
+      // What is within that is not told apart where a count is wanted.
+      if (!IsBeyondMended()) counts_.largest_deviation = std::max(counts_.largest_deviation, refinement_.bound());
       if (t.deviation < 0) refinement_.Measure(id);
       if (t.deviation > options_.max_error && MayBeLargest(t.deviation)) refinement_.Enclose(id);
       if (t.deviation > counts_.largest_deviation)

@@ -2,6 +2,7 @@
 // operations, audited, and then leave for the sink, for good.
 #pragma once
 
+#include <cmath>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -54,7 +55,8 @@ class SettlingWindow {
         fronts_(fronts),
         options_(options),
         sink_(sink),
-        refinement_(surface, fronts, RefinedBeyond(options), options.min_edge, kMoveDepth) {}
+        refinement_(surface, fronts, RefinedBeyond(options), options.min_edge, kMoveDepth,
+                    !std::isfinite(options.max_insertions)) {}
 
   // Improves what has come to lie kMoveDepth rings or more behind the fronts since the last time, and audits what is to leave.
   // Returns both triangles of each pair that intersects, so that the front can take them back; none of their vertices is frozen.
@@ -116,7 +118,7 @@ class SettlingWindow {
   bool Leaves(WindowTriangleId t) const;
   VertexId NameOf(const WindowVertex& v, std::vector<OutputVertex>& vertices);
   void KeepMaxError(const Context& context);
-  std::vector<WindowTriangleId> ReachedTriangles() const;
+  std::vector<WindowTriangleId> DoubtfulTriangles();
   static double RefinedBeyond(const SettlingOptions& options);
   size_t InsertionsLeft() const;
   void RoundOff(const std::vector<WindowTriangleId>& triangles);
@@ -134,10 +136,6 @@ class SettlingWindow {
     WindowTriangleId triangle;
     int corner;  // the vertex's in it
   };
-  // The places of the surface closest to a triangle's centroid and to the middles of its sides, which the fit compares with.
-  struct Feet {
-    Vec3 centroid, middle[3];
-  };
 
   const Surface& surface_;
   FrontSet& fronts_;
@@ -148,7 +146,7 @@ class SettlingWindow {
   std::vector<Spoke> ring_;
   std::vector<WindowVertexId> chosen_;     // what this call of Improve moves, by id
   std::vector<WindowTriangleId> around_;   // the triangles that have a chosen corner, by id
-  std::vector<Feet> feet_;                 // of around_
+  std::vector<TriangleFeet> feet_;         // of around_, which the fit compares with; else empty
   std::vector<uint32_t> place_in_around_;  // of every triangle slot
   // What the sweeps of one Improve need not look at again. The clock counts sweeps of flips and removals.
   uint32_t clock_ = 0, last_flips_ = 0, last_removals_ = 0;

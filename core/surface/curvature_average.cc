@@ -17,6 +17,8 @@ namespace {
 using namespace surface_tolerances;
 
 constexpr size_t kGrain = 4096;
+constexpr int kKeptEvery = 8;   // passes
+constexpr size_t kMaxKept = 3;  // the last ones
 
 }  // namespace
 
@@ -52,10 +54,15 @@ double CurvatureAverage::PassesFor(absl::FunctionRef<double(double max_curvature
 // The last pass in part, so that a little more of them changes little.
 absl::Status CurvatureAverage::Average(double passes, const Context& context) {
   const absl::Span<const double> own = surface_->vertex_curvatures();
-  means_.assign(own.begin(), own.end());
+  const auto before = std::find_if(kept_.rbegin(), kept_.rend(), [&](const Kept& k) { return k.passes <= passes; });
+  int done = before == kept_.rend() ? 0 : before->passes;
+  if (done > 0)
+    means_ = before->means;
+  else
+    means_.assign(own.begin(), own.end());
   std::vector<double> weighted(own.size());
-  for (double left = passes; left > 0; --left) {
-    const double part = std::min(left, 1.0);
+  for (; done < passes; ++done) {
+    const double part = std::min(passes - done, 1.0);
     for (size_t v = 0; v < own.size(); ++v) weighted[v] = areas_[v] * means_[v];
     MESHFRONT_RETURN_IF_ERROR(ParallelFor(own.size(), kGrain, context, [&](size_t begin, size_t end) {
       for (size_t v = begin; v < end; ++v) {
@@ -64,9 +71,19 @@ absl::Status CurvatureAverage::Average(double passes, const Context& context) {
         means_[v] += part * (sum * inverse_sums_[v] - means_[v]);
       }
     }));
+    if (part == 1 && (done + 1) % kKeptEvery == 0) Keep(done + 1);
   }
   passes_ = passes;
   return absl::OkStatus();
+}
+
+void CurvatureAverage::Keep(int passes) {
+  if (!kept_.empty() && kept_.back().passes >= passes) return;
+  if (kept_.size() == kMaxKept)
+    std::rotate(kept_.begin(), kept_.begin() + 1, kept_.end());
+  else
+    kept_.emplace_back();
+  kept_.back() = {passes, means_};
 }
 
 absl::StatusOr<std::vector<double>> CurvatureAverage::ForEdges(

@@ -30,12 +30,19 @@ class CurvatureAverage {
   CurvatureAverage(const MeshSurface& surface, VertexRings rings) : surface_(&surface), rings_(std::move(rings)) {}
   double PassesFor(absl::FunctionRef<double(double max_curvature)> ideal_length, double eta) const;
   absl::Status Average(double passes, const Context& context);
+  void Keep(int passes);
 
   const MeshSurface* surface_;
   VertexRings rings_;
   std::vector<double> areas_, inverse_sums_;  // of each vertex a third of the faces around; of its ring and itself
   std::vector<double> means_;                 // after passes_
   double passes_ = -1;
+  // Means after some whole numbers of passes, to go on from: a search for a count asks for about as many again.
+  struct Kept {
+    int passes = 0;
+    std::vector<double> means;
+  };
+  std::vector<Kept> kept_;
 };
 
 }  // namespace meshfront

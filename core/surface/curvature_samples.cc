@@ -2,6 +2,7 @@
 // curvature interpolated (input triangles longer than the ideal length under-sample the field, Fig. 3); 3. the distance to the
 // other sheet at each vertex.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/base/status_macros.h"
@@ -136,13 +137,19 @@ absl::StatusOr<std::vector<CurvatureSample>> MeshSurface::CurvatureSamples(absl:
   for (uint32_t f = 0; f < mesh_.triangles.size(); ++f) {
     if (f % kCheckEvery == 0) MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
     const Triangle& t = mesh_.triangles[f];
-    const int pieces[3] = {densifier.PiecesOf(t[0], t[1]), densifier.PiecesOf(t[1], t[2]),
-                           densifier.PiecesOf(t[2], t[0])};
+    std::array<int, 3> pieces = {0, 0, 0};  // 0: the edge is another face's
     for (int i = 0; i < 3; ++i) {
       const uint32_t across = adjacency_.opposite[f][i];
-      if (across == kNoHalfEdge || across > 3 * f + i) densifier.AddEdge(t[i], t[i == 2 ? 0 : i + 1], pieces[i]);
+      if (across != kNoHalfEdge && across <= 3 * f + i) continue;
+      const VertexId from = t[i], to = t[i == 2 ? 0 : i + 1];
+      pieces[i] = densifier.PiecesOf(from, to);
+      densifier.AddEdge(from, to, pieces[i]);
     }
-    densifier.AddFace(t, std::min({pieces[0], pieces[1], pieces[2]}));
+    if (std::find(pieces.begin(), pieces.end(), 1) != pieces.end()) continue;
+    for (int i = 0; i < 3; ++i) {
+      if (pieces[i] == 0) pieces[i] = densifier.PiecesOf(t[i], t[i == 2 ? 0 : i + 1]);
+    }
+    densifier.AddFace(t, *std::min_element(pieces.begin(), pieces.end()));
   }
   return samples;
 }

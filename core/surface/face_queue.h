@@ -3,11 +3,60 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "core/surface/mesh_walk.h"
 
 namespace meshfront {
+
+// A set of faces. Scratch like FaceQueue.
+class FaceMarks {
+ public:
+  void Clear() {
+    count_ = 0;
+    if (slots_.empty()) slots_.resize(256);
+    if (++generation_ == 0) {  // after 2^32 searches
+      std::fill(slots_.begin(), slots_.end(), Slot{});
+      generation_ = 1;
+    }
+  }
+  // False where it is marked already.
+  bool Mark(uint32_t face) {
+    const size_t mask = slots_.size() - 1;
+    for (size_t i = (face * 0x9e3779b1u) & mask;; i = (i + 1) & mask) {
+      if (slots_[i].generation != generation_) {
+        slots_[i] = {face, generation_};
+        if (2 * ++count_ > slots_.size()) Grow();
+        return true;
+      }
+      if (slots_[i].face == face) return false;
+    }
+  }
+  bool IsMarked(uint32_t face) const {
+    const size_t mask = slots_.size() - 1;
+    for (size_t i = (face * 0x9e3779b1u) & mask; slots_[i].generation == generation_; i = (i + 1) & mask) {
+      if (slots_[i].face == face) return true;
+    }
+    return false;
+  }
+
+ private:
+  struct Slot {
+    uint32_t face = 0, generation = 0;
+  };
+  void Grow() {
+    const std::vector<Slot> before = std::exchange(slots_, std::vector<Slot>(2 * slots_.size()));
+    count_ = 0;
+    for (const Slot& slot : before) {
+      if (slot.generation == generation_) Mark(slot.face);
+    }
+  }
+
+  std::vector<Slot> slots_;
+  size_t count_ = 0;
+  uint32_t generation_ = 0;
+};
 
 // Faces in the order they were reached, each once, with the way to them: from side to side, each time to the closest point of
 // the next. Scratch to be kept for each thread and emptied by Clear; memory stays at the largest search.
@@ -21,22 +70,17 @@ class FaceQueue {
 
   void Clear() {
     entries_.clear();
-    if (slots_.empty()) slots_.resize(256);
-    if (++generation_ == 0) {  // after 2^32 searches
-      std::fill(slots_.begin(), slots_.end(), Slot{});
-      generation_ = 1;
-    }
+    marks_.Clear();
   }
   void Add(const Entry& entry) {
-    if (2 * (entries_.size() + 1) > slots_.size()) Grow();
-    if (Mark(entry.face)) entries_.push_back(entry);
+    if (marks_.Mark(entry.face)) entries_.push_back(entry);
   }
   // Adds the faces across the sides of `at` that `accept` admits and that are not farther than `longest_way`.
   template <class Accept>
   void AddAcross(const FaceView& mesh, const Entry& at, double longest_way, Accept&& accept) {
     for (int side = 0; side < 3; ++side) {
       const uint32_t across = mesh.opposite[3 * at.face + side];
-      if (across == kNoHalfEdge || IsMarked(across / 3)) continue;
+      if (across == kNoHalfEdge || marks_.IsMarked(across / 3)) continue;
       const Vec3 passed = ClosestOnSide(mesh, at.face, side, at.entered);
       const double way = at.way + Distance(at.entered, passed);
       if (way <= longest_way && accept(across / 3)) Add({across / 3, way, passed});
@@ -46,39 +90,14 @@ class FaceQueue {
   Entry operator[](size_t i) const { return entries_[i]; }
 
  private:
-  struct Slot {
-    uint32_t face = 0, generation = 0;
-  };
   static Vec3 ClosestOnSide(const FaceView& mesh, uint32_t face, int side, const Vec3& p) {
     const Vec3 &a = mesh.Corner(face, side), &b = mesh.Corner(face, side == 2 ? 0 : side + 1);
     const double length2 = SquaredDistance(a, b);
     return length2 > 0 ? Lerp(a, b, std::clamp(Dot(p - a, b - a) / length2, 0.0, 1.0)) : a;
   }
-  bool IsMarked(uint32_t face) const {
-    const size_t mask = slots_.size() - 1;
-    for (size_t i = (face * 0x9e3779b1u) & mask; slots_[i].generation == generation_; i = (i + 1) & mask) {
-      if (slots_[i].face == face) return true;
-    }
-    return false;
-  }
-  bool Mark(uint32_t face) {
-    const size_t mask = slots_.size() - 1;
-    for (size_t i = (face * 0x9e3779b1u) & mask;; i = (i + 1) & mask) {
-      if (slots_[i].generation != generation_) {
-        slots_[i] = {face, generation_};
-        return true;
-      }
-      if (slots_[i].face == face) return false;
-    }
-  }
-  void Grow() {
-    slots_.assign(2 * slots_.size(), Slot{});
-    for (const Entry& entry : entries_) Mark(entry.face);
-  }
 
-  std::vector<Slot> slots_;
+  FaceMarks marks_;
   std::vector<Entry> entries_;
-  uint32_t generation_ = 0;
 };
 
 }  // namespace meshfront

@@ -210,12 +210,13 @@ bool MeshSurface::TraceWay(const SourcePoint& a, const SourcePoint& b, std::vect
 }
 
 bool MeshSurface::FindFarPlaces(const SourcePoint& start, const std::array<Vec3, 3>& triangle, double bound,
-                                double beside, std::vector<FarPlace>& far, std::vector<DoubtfulPart>& doubtful) const {
+                                double beside, std::vector<FarPlace>& far, std::vector<DoubtfulPart>* doubtful) const {
   thread_local Shadow shadow;
-  CastShadow(View(), FaceOf(start), triangle, {bound, beside}, shadow);
-  far.clear(), doubtful.clear();
+  CastShadow(View(), FaceOf(start), triangle, {bound, beside, doubtful != nullptr}, shadow);
+  far.clear();
+  if (doubtful) doubtful->clear();
   const auto centroid = [&](uint32_t face) { return AtFace(FaceId(face), 1.0 / 3, 1.0 / 3); };
-  for (const ShadowPart& part : shadow.doubtful) doubtful.push_back({part.corners, centroid(part.face)});
+  for (const ShadowPart& part : shadow.doubtful) doubtful->push_back({part.corners, centroid(part.face)});
   for (const ShadowHit& hit : shadow.far) far.push_back({hit.below, Place(hit.above), hit.is_vertex, hit.is_beside});
   return shadow.is_whole;
 }

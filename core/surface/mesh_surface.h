@@ -141,7 +141,7 @@ class MeshSurface final : public Surface {
   bool TraceWay(const SourcePoint& a, const SourcePoint& b, std::vector<WayPiece>& way) const override;
   // About 0.1 µs a face over the triangle.
   bool FindFarPlaces(const SourcePoint& start, const std::array<Vec3, 3>& triangle, double bound, double beside,
-                     std::vector<FarPlace>& far, std::vector<DoubtfulPart>& doubtful) const override;
+                     std::vector<FarPlace>& far, std::vector<DoubtfulPart>* doubtful) const override;
   double DistanceToPieceOf(const SourcePoint& p, const Vec3& place) const override;
   // Finds all places where it does at the first call, as long as the index takes; then fast.
   bool MeetsItselfNear(const Vec3& place, double radius, const Context& context) const override;

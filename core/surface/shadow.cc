@@ -26,6 +26,23 @@ struct Over {
   double height;
 };
 
+// Where the cover of the triangle is looked at: its weights are those of no place that anything symmetric would have an edge over.
+constexpr double kProbe[3] = {0.3276041, 0.3391573, 0.3332386};
+
+// A corner of a face, and what each of its faces asks about it, a bit each.
+struct SeenCorner {
+  static constexpr uint32_t kFar = 1;                // from the triangle's plane
+  static constexpr uint32_t kBeside = 7u << 1;       // beyond side i by more than what belongs to it
+  static constexpr uint32_t kOffProbe = 0x3fu << 4;  // by weight i lower, and higher, than the probe
+  Over over;
+  uint32_t code;
+};
+// A face that the search has reached, and the places of its corners among those seen.
+struct SeenFace {
+  uint32_t face;
+  uint32_t corner[3];
+};
+
 class ShadowFrame {
  public:
   explicit ShadowFrame(const std::array<Vec3, 3>& t) : corners_(t), origin_(t[0]) {
@@ -62,8 +79,6 @@ bool LieBeside(const Over& a, const Over& b, double margin) {
   return false;
 }
 
-// Where the cover of the triangle is looked at: its weights are those of no place that anything symmetric would have an edge over.
-constexpr double kProbe[3] = {0.3276041, 0.3391573, 0.3332386};
 // A rim that lies no farther inside a side than this weight cuts nothing off: creases are straight, and sides lie on them.
 constexpr double kOnRim = 1e-6;
 
@@ -106,23 +121,24 @@ Polygon ClippedAgainst(int side, const Polygon& polygon) {
 class ShadowCaster {
  public:
   ShadowCaster(const FaceView& mesh, const ShadowFrame& frame, const ShadowBounds& bounds, Shadow& shadow)
-      : mesh_(mesh), frame_(frame), bound_(bounds.distance), beside_(bounds.beside), shadow_(shadow) {}
+      : mesh_(mesh),
+        frame_(frame),
+        bound_(bounds.distance),
+        beside_(bounds.beside),
+        with_doubtful_(bounds.with_doubtful),
+        shadow_(shadow) {}
 
-  void LookAt(uint32_t face, FaceQueue& queue) {
-    Over corners[3];
-    for (int i = 0; i < 3; ++i) corners[i] = frame_.At(mesh_.Corner(face, i));
-    const bool is_far =
-        std::max({std::abs(corners[0].height), std::abs(corners[1].height), std::abs(corners[2].height)}) > bound_;
-    if (is_far && FacesTriangle(face)) Collect(face, corners);
-    cover_ += SideOver(corners, kProbe);
-    for (int i = 0; i < 3; ++i) {
-      if (LieBeside(corners[i], corners[Next(i)], beside_)) continue;
-      const uint32_t across = mesh_.opposite[3 * face + i];
-      if (across != kNoHalfEdge)
-        queue.Add({across / 3, 0, {}});
-      else if (!LieBeside(corners[i], corners[Next(i)], -kOnRim))
-        WidenStrip(face, corners[i], corners[Next(i)]);
+  // All faces over the triangle, from one on. False where they are too many.
+  bool LookAtAll(uint32_t start) {
+    scratch_.faces.clear(), scratch_.corners.clear(), scratch_.marks.Clear();
+    scratch_.marks.Mark(start);
+    for (int i = 0; i < 3; ++i) See(mesh_.Corner(start, i));
+    scratch_.faces.push_back({start, {0, 1, 2}});
+    for (size_t i = 0; i < scratch_.faces.size(); ++i) {
+      if (i == kMaxShadowFaces) return false;
+      LookAt(scratch_.faces[i]);
     }
+    return true;
   }
   // After the last face.
   void Finish() {
@@ -130,12 +146,56 @@ class ShadowCaster {
     for (int side = 0; side < 3; ++side) {
       if (strip_[side] >= kProbe[side]) shadow_.is_whole = false;
     }
-    for (int side = 0; side < 3 && shadow_.is_whole; ++side) {
+    for (int side = 0; side < 3 && shadow_.is_whole && with_doubtful_; ++side) {
       if (strip_[side] > 0) AddStrip(side);
     }
   }
 
  private:
+  void See(const Vec3& corner) {
+    const Over over = frame_.At(corner);
+    uint32_t code = std::abs(over.height) > bound_ ? SeenCorner::kFar : 0;
+    for (int i = 0; i < 3; ++i) {
+      code |= static_cast<uint32_t>(over.weight[i] < -beside_) << (1 + i);
+      code |= static_cast<uint32_t>(over.weight[i] < kProbe[i]) << (4 + i);
+      code |= static_cast<uint32_t>(over.weight[i] > kProbe[i]) << (7 + i);
+    }
+    scratch_.corners.push_back({over, code});
+  }
+  void LookAt(const SeenFace at) {
+    const SeenCorner* const seen = scratch_.corners.data();
+    const uint32_t code[3] = {seen[at.corner[0]].code, seen[at.corner[1]].code, seen[at.corner[2]].code};
+    const bool is_far = ((code[0] | code[1] | code[2]) & SeenCorner::kFar) != 0;
+    const bool may_cover = (code[0] & code[1] & code[2] & SeenCorner::kOffProbe) == 0;
+    if (is_far || may_cover) {
+      const Over corners[3] = {seen[at.corner[0]].over, seen[at.corner[1]].over, seen[at.corner[2]].over};
+      if (is_far && FacesTriangle(at.face)) Collect(at.face, corners);
+      if (may_cover) cover_ += SideOver(corners, kProbe);
+    }
+    for (int i = 0; i < 3; ++i) {
+      const int next = Next(i);
+      if ((code[i] & code[next] & SeenCorner::kBeside) != 0) continue;
+      const uint32_t across = mesh_.opposite[3 * at.face + i];
+      if (across != kNoHalfEdge)
+        Reach(across, at.corner[next], at.corner[i]);
+      else
+        MeetRim(at.face, scratch_.corners[at.corner[i]].over, scratch_.corners[at.corner[next]].over);
+    }
+  }
+  // The face of a half-edge whose ends have been seen.
+  void Reach(uint32_t half_edge, uint32_t from, uint32_t to) {
+    const uint32_t face = half_edge / 3;
+    if (!scratch_.marks.Mark(face)) return;
+    const int first = static_cast<int>(half_edge % 3), second = Next(first), third = Next(second);
+    SeenFace reached{face, {}};
+    reached.corner[first] = from, reached.corner[second] = to;
+    reached.corner[third] = static_cast<uint32_t>(scratch_.corners.size());
+    See(mesh_.Corner(face, third));
+    scratch_.faces.push_back(reached);
+  }
+  void MeetRim(uint32_t face, const Over& a, const Over& b) {
+    if (!LieBeside(a, b, -kOnRim)) WidenStrip(face, a, b);
+  }
   // Makes one of the strips along the triangle's sides hold the edge of a rim.
   void WidenStrip(uint32_t face, const Over& a, const Over& b) {
     // What of it lies over the triangle.
@@ -181,7 +241,7 @@ class ShadowCaster {
       if (LeastWeight(a) >= -beside_) AddIfFar(face, i, 0, a);
       if (!LieBeside(a, b, 0)) CrossSides(face, i, a, b);
     }
-    AddIfDoubtful(face, corners);
+    if (with_doubtful_) AddIfDoubtful(face, corners);
   }
   // What the face covers of the triangle, if a corner of that is too far from it.
   void AddIfDoubtful(uint32_t face, const Over (&corners)[3]) {
@@ -218,10 +278,23 @@ class ShadowCaster {
     shadow_.far.push_back({below, {face, weights[1], weights[2], place}, is_vertex, LeastWeight(over) < 0});
   }
 
+  // To be kept for each thread.
+  struct Scratch {
+    std::vector<SeenFace> faces;
+    std::vector<SeenCorner> corners;
+    FaceMarks marks;
+  };
+  static Scratch& ThreadScratch() {
+    thread_local Scratch scratch;
+    return scratch;
+  }
+
   const FaceView& mesh_;
   const ShadowFrame& frame_;
   const double bound_, beside_;
+  const bool with_doubtful_;
   Shadow& shadow_;
+  Scratch& scratch_ = ThreadScratch();
   int cover_ = 0;         // of the probe
   double strip_[3] = {};  // weights up to which rims pass along the triangle's sides, by the corner across
   uint32_t strip_face_[3] = {};
@@ -239,16 +312,10 @@ void CastShadow(const FaceView& mesh, uint32_t start, const std::array<Vec3, 3>&
     shadow.is_whole = false;
     return;
   }
-  thread_local FaceQueue queue;
-  queue.Clear();
-  queue.Add({start, 0, {}});
   ShadowCaster caster(mesh, frame, bounds, shadow);
-  for (size_t i = 0; i < queue.size(); ++i) {
-    if (i == kMaxShadowFaces) {
-      shadow.is_whole = false;
-      return;
-    }
-    caster.LookAt(queue[i].face, queue);
+  if (!caster.LookAtAll(start)) {
+    shadow.is_whole = false;
+    return;
   }
   caster.Finish();
 }

@@ -16,8 +16,9 @@ struct ShadowHit {
   bool is_beside = false;  // outside the triangle
 };
 struct ShadowBounds {
-  double distance = 0;  // absolute
-  double beside = 0;    // vertices beside the triangle, by this weight, belong to it, too
+  double distance = 0;        // absolute
+  double beside = 0;          // vertices beside the triangle, by this weight, belong to it, too
+  bool with_doubtful = true;  // parts are wanted
 };
 // A part of the triangle that may be farther than the bound, and a face over it or next to it.
 struct ShadowPart {

@@ -93,12 +93,13 @@ class Surface {
   }
 
   // Collects places where a triangle and the surface over it, around `start`, may be farther apart than `bound`. True: the triangle is
-  // nowhere farther from the surface but in the doubtful parts. False: it can't tell of all of the triangle. Details beside the triangle
-  // belong to it by up to `beside` of its size. Surfaces that have no faces never can.
+  // nowhere farther from the surface but in the doubtful parts, which are not told where `doubtful` is null. False: it can't tell of all
+  // of the triangle. Details beside the triangle belong to it by up to `beside` of its size. Surfaces that have no faces never can.
   virtual bool FindFarPlaces(const SourcePoint& start, const std::array<Vec3, 3>& triangle, double bound, double beside,
-                             std::vector<FarPlace>& far, std::vector<DoubtfulPart>& doubtful) const {
+                             std::vector<FarPlace>& far, std::vector<DoubtfulPart>* doubtful) const {
     static_cast<void>(start), static_cast<void>(triangle), static_cast<void>(bound), static_cast<void>(beside);
-    far.clear(), doubtful.clear();
+    far.clear();
+    if (doubtful) doubtful->clear();
     return false;
   }
 

@@ -127,7 +127,7 @@ void BM_FindFarPlaces(benchmark::State& state) {
   for (auto _ : state) {
     const auto& t = triangles[i++ % triangles.size()];
     benchmark::DoNotOptimize(
-        Surface().FindFarPlaces(t[0], {t[0].position, t[1].position, t[2].position}, length, 0, far, doubtful));
+        Surface().FindFarPlaces(t[0], {t[0].position, t[1].position, t[2].position}, length, 0, far, &doubtful));
   }
   state.SetItemsProcessed(static_cast<int64_t>(ratio * ratio * static_cast<double>(state.iterations())));
 }

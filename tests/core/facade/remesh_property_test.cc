@@ -186,6 +186,10 @@ TEST(MaxError, IsWhatTheReportBoundsWhereACountIsWanted) {
   EXPECT_LE(worst, 1.05 * out.report.error_bound) << "as measured, where it is not certified";
   EXPECT_LE(out.report.error_bound, 3 * out.report.parameters.options.max_error->value);
   EXPECT_NEAR(static_cast<double>(out.mesh.triangles.size()) / 4000, 1, 0.05);
+  // Where nothing is far beyond it, what is a little is not told apart.
+  const Report smooth = RemeshOrFail(Icosphere(5), options).report;
+  EXPECT_GT(smooth.error_bound, 1.5 * smooth.parameters.options.max_error->value);
+  EXPECT_THAT(smooth.warnings, IsEmpty());
 }
 
 #ifdef MESHFRONT_COARSE_ZOO

@@ -47,6 +47,38 @@ TEST(Deviation, OfATriangleInASphereIsThatOfItsMiddle) {
   }
 }
 
+// What is off by a third of the bound needs no measure, what is off by two thirds or bends away does, walked to or told.
+TEST(Deviation, SeemsSmallWhereSevenPlacesAreNearAndNormalsAgree) {
+  const SphereSurface sphere;
+  const auto on_sphere = [&](double radius) {
+    std::array<PlaceAndFoot, 3> corners;
+    for (int i = 0; i < 3; ++i) {
+      const double angle = 2 * i * 3.141592653589793 / 3;
+      const Vec3 place{radius * std::cos(angle), radius * std::sin(angle), std::sqrt(1 - radius * radius)};
+      corners[i] = {place, sphere.Project(place, 0)};
+    }
+    return corners;
+  };
+  const auto feet_of = [&](const std::array<PlaceAndFoot, 3>& c) {
+    TriangleFeet feet{sphere.Project((c[0].place + c[1].place + c[2].place) / 3.0, 0).position, {}};
+    for (int i = 0; i < 3; ++i) feet.middle[i] = sphere.Project(0.5 * (c[i].place + c[(i + 1) % 3].place), 0).position;
+    return feet;
+  };
+  const std::array<PlaceAndFoot, 3> flat = on_sphere(0.2), bent = on_sphere(0.6);
+  const double off_flat = 1 - std::sqrt(1 - 0.2 * 0.2);
+  const TriangleFeet feet = feet_of(flat), bent_feet = feet_of(bent);
+  TriangleFeet far_middle = feet, far_centroid = feet;
+  far_middle.middle[1].z += off_flat, far_centroid.centroid.z += off_flat;
+  const DeviationMeter wide(sphere, 3 * off_flat), narrow(sphere, 1.5 * off_flat), huge(sphere, 10);
+  EXPECT_TRUE(wide.SeemsNear(flat, nullptr));
+  EXPECT_TRUE(wide.SeemsNear(flat, &feet));
+  EXPECT_FALSE(wide.SeemsNear(flat, &far_middle));
+  EXPECT_FALSE(wide.SeemsNear(flat, &far_centroid));
+  EXPECT_FALSE(narrow.SeemsNear(flat, nullptr));
+  EXPECT_FALSE(narrow.SeemsNear(flat, &feet));
+  EXPECT_FALSE(huge.SeemsNear(bent, &bent_feet)) << "37° between the triangle and the sphere at its corners";
+}
+
 TEST(Deviation, OfCornersCounts) {
   const PlaneSurface plane;
   std::array<PlaceAndFoot, 3> corners = Inscribed(plane, 1);

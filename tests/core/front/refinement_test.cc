@@ -41,7 +41,7 @@ TEST(Refinement, PutsVerticesOnTheSheetOfTheirNeighbours) {
       const FrontEdgeId rim = fronts.at(step.made[step.made_count - 1]).next;
       step = fronts.Connect(rim, fronts.at(rim).prev, TriangleKind::kConnection);
     }
-    Refinement refinement(sphere, fronts, 0.005, 0, 0);
+    Refinement refinement(sphere, fronts, 0.005, 0, 0, true);
     EXPECT_THAT(refinement.Refine(LiveTriangles(fronts), manner, kNoLimit), Not(IsEmpty()));
     EXPECT_EQ(FaultOf(fronts), "");
     for (const WindowTriangleId t : LiveTriangles(fronts)) {
@@ -66,7 +66,7 @@ TEST(Refinement, PutsAVertexOnARimButNotOnACreaseThatTwoPatchesShare) {
     }
     const FrontEdgeId e = fronts.AddLoop(v);
     fronts.Connect(e, fronts.at(e).prev, TriangleKind::kClosing);
-    Refinement refinement(plane, fronts, 0.01, 0, 0);
+    Refinement refinement(plane, fronts, 0.01, 0, 0, true);
     const auto made = refinement.Refine(LiveTriangles(fronts), Refinement::Manner::kSides, kNoLimit);
     EXPECT_EQ(FaultOf(fronts), "");
     EXPECT_EQ(made.empty(), is_crease);
@@ -89,7 +89,7 @@ TEST(Refinement, MovesNoVertexOutOfTheBound) {
     const FrontEdgeId rim = fronts.at(step.made[step.made_count - 1]).next;
     step = fronts.Connect(rim, fronts.at(rim).prev, TriangleKind::kConnection);
   }
-  Refinement refinement(sphere, fronts, 0.02, 0, 0);
+  Refinement refinement(sphere, fronts, 0.02, 0, 0, true);
   for (const WindowTriangleId t : LiveTriangles(fronts)) EXPECT_TRUE(refinement.Measure(t).is_kept);
   EXPECT_FALSE(refinement.TryMove(middle, {0, 0, 1.03}));
   EXPECT_EQ(fronts.at(middle).position, Vec3(0, 0, 1));

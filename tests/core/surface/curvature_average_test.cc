@@ -62,6 +62,18 @@ TEST(CurvatureAverage, ChangesLittleWhenTheEdgesDo) {
   }
 }
 
+// What is kept of earlier answers saves passes, and changes nothing.
+TEST(CurvatureAverage, DoesNotDependOnWhatWasAskedBefore) {
+  const auto surface = testing::SurfaceOf(RoughSphere());
+  auto average = CurvatureAverage::Create(*surface, Context{});
+  ASSERT_TRUE(average.ok());
+  for (const double length : {0.1, 0.25, 0.22, 0.24, 0.1, 0.03, 0.15, 0.4}) {
+    const auto again = average->ForEdges([&](double) { return length; }, 1, Context{});
+    ASSERT_TRUE(again.ok());
+    EXPECT_EQ(*again, Averaged(*surface, length)) << length;
+  }
+}
+
 TEST(CurvatureAverage, IsTheSameAtAnyNumberOfThreadsAndCanBeStopped) {
   const auto surface = testing::SurfaceOf(RoughSphere());
   Context many;

@@ -23,7 +23,7 @@ Found FindFar(const MeshSurface& surface, const std::array<Vec3, 3>& triangle, d
   SourcePoint start = surface.AtVertex(VertexId(0));
   for (int i = 0; i < 3; ++i) start = surface.Snap(start, triangle[0]);
   Found found;
-  found.all = surface.FindFarPlaces(start, triangle, bound, beside, found.far, found.doubtful);
+  found.all = surface.FindFarPlaces(start, triangle, bound, beside, found.far, &found.doubtful);
   return found;
 }
 
@@ -34,6 +34,20 @@ TEST(FarPlaces, AreNoneOverAFlatSheet) {
   const Found found = FindFar(*surface, kTriangle, 1e-9);
   EXPECT_TRUE(found.all);
   EXPECT_THAT(found.far, IsEmpty());
+}
+
+// Who does not ask for the doubtful parts gets the same places.
+TEST(FarPlaces, AreTheSameWithoutTheDoubtfulParts) {
+  TriangleMesh mesh = Sheet(12);
+  for (size_t k = 0; k < mesh.positions.size(); k += 5) mesh.positions[k].z = 0.05;
+  const auto surface = SurfaceOf(mesh);
+  const Found found = FindFar(*surface, kTriangle, 0.01);
+  std::vector<FarPlace> far;
+  const SourcePoint start = surface->Snap(surface->AtVertex(VertexId(0)), kTriangle[0]);
+  EXPECT_EQ(surface->FindFarPlaces(start, kTriangle, 0.01, 0.1, far, nullptr), found.all);
+  ASSERT_EQ(far.size(), found.far.size());
+  EXPECT_FALSE(found.doubtful.empty());
+  for (size_t i = 0; i < far.size(); ++i) EXPECT_EQ(far[i].below, found.far[i].below);
 }
 
 TEST(FarPlaces, AreEverywhereOverATriangleThatIsOff) {
@@ -143,7 +157,7 @@ TEST(FarPlaces, AreNotKnownFromAFaceElsewhere) {
   const auto surface = SurfaceOf(Sheet(12));
   std::vector<FarPlace> far;
   std::vector<DoubtfulPart> doubtful;
-  EXPECT_FALSE(surface->FindFarPlaces(surface->AtVertex(VertexId(0)), kTriangle, 0.01, 0.1, far, doubtful));
+  EXPECT_FALSE(surface->FindFarPlaces(surface->AtVertex(VertexId(0)), kTriangle, 0.01, 0.1, far, &doubtful));
 }
 
 }  // namespace
