@@ -87,7 +87,7 @@ struct Report {
   ParametersInForce parameters;
   uint64_t predicted_triangles = 0;  // before any was made
   double error_bound =
-      0;  // eq. 7 with the longest edge and the angle in force, absolute; max_error where that is held constant
+      0;  // eq. 7 with the longest edge, absolute; where max_error is held constant that, for a count about 1.6 of it or more
   TopologyReport output;
   bool complete = true;  // false: open_places lists where the mesh could not be closed
   std::vector<Vec3> open_places;
