@@ -327,19 +327,21 @@ absl::StatusOr<SizedField> FieldBuilder::Sketch(double parameter, const Context&
     MESHFRONT_RETURN_IF_ERROR(MeasureThickness(context));
   }
   MESHFRONT_ASSIGN_OR_RETURN(SizedField sized, BuildField(parameter, context));
-  MESHFRONT_ASSIGN_OR_RETURN(const double part, CountOnProbe(sized.field, context));
-  sized.predicted_triangles = CountFactor() * part / probe_->part_of_area + CountBesideWidths(sized.field);
+  MESHFRONT_RETURN_IF_ERROR(CountOnProbeOnce(sized, context));
+  sized.predicted_triangles =
+      CountFactor() * sized.count_on_probe / probe_->part_of_area + CountBesideWidths(sized.field);
   return sized;
 }
 
 // The field of a parameter near that of another, whose count is known.
-absl::StatusOr<SizedField> FieldBuilder::BuildNear(const SizedField& other, double parameter, const Context& context) {
+absl::StatusOr<SizedField> FieldBuilder::BuildNear(SizedField& other, double parameter, const Context& context) {
   parameter_ = parameter;
   MESHFRONT_RETURN_IF_ERROR(SetCurvatures(context));
   MESHFRONT_RETURN_IF_ERROR(MeasureThickness(context));
   MESHFRONT_ASSIGN_OR_RETURN(SizedField sized, BuildField(parameter, context));
-  MESHFRONT_ASSIGN_OR_RETURN(const double before, CountOnProbe(other.field, context));
-  MESHFRONT_ASSIGN_OR_RETURN(const double after, CountOnProbe(sized.field, context));
+  MESHFRONT_RETURN_IF_ERROR(CountOnProbeOnce(other, context));
+  MESHFRONT_RETURN_IF_ERROR(CountOnProbeOnce(sized, context));
+  const double before = other.count_on_probe, after = sized.count_on_probe;
   const double by_area = other.predicted_triangles - CountBesideWidths(other.field);
   sized.predicted_triangles = by_area * (before > 0 ? after / before : 1) + CountBesideWidths(sized.field);
   return sized;
@@ -349,6 +351,12 @@ absl::StatusOr<double> FieldBuilder::CountOnProbe(const GuidanceField& field, co
   if (!probe_) probe_ = MakeProbe();
   return PredictTriangles({probe_->positions, probe_->triangles, probe_->curvatures}, field, context,
                           kCheckedProbePieces);
+}
+
+absl::Status FieldBuilder::CountOnProbeOnce(SizedField& sized, const Context& context) {
+  if (sized.count_on_probe >= 0) return absl::OkStatus();
+  MESHFRONT_ASSIGN_OR_RETURN(sized.count_on_probe, CountOnProbe(sized.field, context));
+  return absl::OkStatus();
 }
 
 // Where every place had the edges that its own curvature asks for, g = l/η, the count would be a power of the parameter.
@@ -482,7 +490,7 @@ absl::StatusOr<SizedField> FieldBuilder::Approach(uint64_t count, const Line& li
   return BuildOn(line, nearest, nullptr, context);
 }
 
-absl::StatusOr<SizedField> FieldBuilder::BuildOn(const Line& line, double value, const SizedField* near,
+absl::StatusOr<SizedField> FieldBuilder::BuildOn(const Line& line, double value, SizedField* near,
                                                  const Context& context) {
   if (line.detail_at) detail_ = value;
   const double parameter = line.detail_at.value_or(value);

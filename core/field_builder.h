@@ -36,6 +36,7 @@ struct SizedField {
   double predicted_triangles = 0;  // ≥ 0
   uint64_t clamped_samples = 0;    // whose ideal length was changed by a clamp or by a thin part
   double detail = 0;               // no edge is shorter than about this for curvature's sake; 0 unless a count needs it
+  double count_on_probe = -1;      // on a part of the faces; < 0: not counted
 };
 
 // Uses: FieldBuilder builder(surface, limits); auto sized = builder.Build(0.8, context). What a parameter does not change is
@@ -92,7 +93,7 @@ class FieldBuilder {
   double CountBesideWidths(const GuidanceField& field) const;
   absl::StatusOr<SizedField> BuildField(double parameter, const Context& context);
   absl::StatusOr<SizedField> Sketch(double parameter, const Context& context);
-  absl::StatusOr<SizedField> BuildNear(const SizedField& other, double parameter, const Context& context);
+  absl::StatusOr<SizedField> BuildNear(SizedField& other, double parameter, const Context& context);
   absl::StatusOr<std::vector<SizingSample>> Samples(uint64_t& clamped, const Context& context) const;
   // Faces that stand for all.
   struct Probe {
@@ -112,10 +113,11 @@ class FieldBuilder {
   Probe MakeProbe() const;
   double CurvatureOf(double length, double parameter) const;
   absl::StatusOr<double> CountOnProbe(const GuidanceField& field, const Context& context);
+  absl::Status CountOnProbeOnce(SizedField& sized, const Context& context);
   absl::StatusOr<double> ProbeCount(const SizedField& sized, double parameter, const Context& context);
   absl::StatusOr<Line> FindNear(const SizedField& sized, double target, const Context& context);
   absl::StatusOr<SizedField> Approach(uint64_t count, const Line& line, const Context& context);
-  absl::StatusOr<SizedField> BuildOn(const Line& line, double value, const SizedField* near, const Context& context);
+  absl::StatusOr<SizedField> BuildOn(const Line& line, double value, SizedField* near, const Context& context);
 
   const MeshSurface& surface_;
   const SizingLimits limits_;
