@@ -19,8 +19,10 @@ struct Attempt {
   double parameter = 0;  // the sizing's, as in Preparation
   std::vector<Vec3>
       intersections;  // where it meets itself though the surface does not within the error bound, one a pair
-  std::vector<Vec3> flat_triangles;  // where one has no area
-  std::vector<HeldPiece> pieces;     // what was held of it; none afterwards
+  std::vector<Vec3> flat_triangles;            // where one has no area
+  std::vector<HeldPiece> pieces;               // what was held of it; none afterwards
+  double bound = 0;                            // of the error: how far from where the surface meets itself it may, too
+  uint64_t own_components = 0, own_faces = 0;  // of the input, handed on as they came in (own_faces.h)
 
   size_t fault_count() const { return front.open_places.size() + intersections.size() + flat_triangles.size(); }
   // The places of all of them.
@@ -28,12 +30,14 @@ struct Attempt {
 };
 
 // Advances the fronts of a preparation into the sink, as AdvanceFront does, with its errors. Results with creases, or with rims that
-// lie close to something (close_curves.h), or on ground where one edge in 200 turns sharply, are held back up to 524,288 triangles, those
-// with other rims up to 6,000, and whole ones of which up to 6,000 are wanted. While nothing went on and there are at most 1,000 faults
-// they are made again, at most six times: with edges half as long around the faults, up to three times and not on such ground; then with
-// the input's faces cut loose around the faults (loose_faces.h), unless a shortest edge is asked for; and up to three times for as many
-// more or fewer triangles as came too few or too many when a number was wanted (off by more than 3 %). The attempt with the fewest faults
-// goes on, of equals the one nearest to the count. Progress begins anew with each. Changes the preparation.
+// lie close to something (close_curves.h), or on ground where one edge in 200 turns sharply, or of inputs that were no surface before
+// repair, are held back up to 524,288 triangles or 8 for each face of the input, those with other rims up to 6,000, and whole ones of
+// which up to 6,000 are wanted. While nothing went on and there are at most 1,000 faults they are made again, at most six times: with edges
+// half as long around the faults, up to three times and not on such ground; then with the input's faces cut loose around the faults
+// (loose_faces.h), unless a shortest edge is asked for; and up to three times for as many more or fewer triangles as came too few or too
+// many when a number was wanted (off by more than 3 %). The attempt with the fewest faults goes on, of equals the one nearest to the
+// count; components that are wrong in it are the input's own faces (own_faces.h), unless a shortest edge is asked for. Progress begins
+// anew with each. Changes the preparation.
 absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& preparation, MeshSink& sink, const Context& context);
 
 }  // namespace meshfront

@@ -1,6 +1,9 @@
 // Where settled vertices and triangles go: a file, a gRPC stream, memory.
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "absl/status/status.h"
 #include "absl/types/span.h"
 #include "core/mesh/triangle_mesh.h"
@@ -9,7 +12,8 @@ namespace meshfront {
 
 struct OutputVertex {
   Vec3 position;
-  Vec3 normal;  // unit normal of the surface there
+  Vec3 normal;         // unit normal of the surface there
+  uint32_t sheet = 0;  // of the surface, by its number: a patch between creases, or a component
 };
 
 // How a triangle came to be (sec. 3): with a new vertex at the lengths that the guidance field asks for, with an existing front

@@ -90,6 +90,12 @@ class MeshSurface final : public Surface {
   absl::Span<const double> whole_diagonals() const {
     return whole_diagonals_.empty() ? component_diagonals_ : whole_diagonals_;
   }
+  // … and its number, in the order of their first faces: the same however the mesh was cut.
+  uint32_t WholeComponentOf(uint32_t component) const {
+    return whole_components_.empty() ? component : whole_components_[component];
+  }
+  // The mesh before the cut.
+  TriangleMesh MeshBeforeCut() const;
   bool ComponentHasBoundary(uint32_t component) const { return component_has_boundary_[component]; }
   // A good place to begin at, for each component without boundary (or, with `all`, for each), in the order of components: the
   // centroid of a well-shaped face where the surface is flat for its size.
@@ -143,7 +149,8 @@ class MeshSurface final : public Surface {
   std::vector<double> curvatures_;
   FaceComponents components_;
   std::vector<bool> component_has_boundary_;
-  std::vector<double> component_diagonals_, whole_diagonals_;  // the latter empty when nothing was cut
+  std::vector<double> component_diagonals_, whole_diagonals_;  // the latter empty when nothing was cut, as the next
+  std::vector<uint32_t> whole_components_;
   bool has_curvature_ = false;
   mutable std::once_flag meetings_once_;
   mutable std::unique_ptr<SelfMeetings> meetings_;
