@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/preparation.h"
 #include "core/remesh.h"
 #include "tests/support/checking_sink.h"
 #include "tests/support/matchers.h"
@@ -112,6 +113,20 @@ TEST(OwnFaces, AreNotNeededWhereTheSurfaceMeetsItself) {
       PutOwnFacesIn(PiecesOf({Icosphere(3), Moved(Icosphere(3), {1.5, 0, 0})}), *surface, 0.1, kFlatRatio, Context{});
   ASSERT_THAT(mixed, IsOk());
   EXPECT_EQ(mixed->components, 0u);
+}
+
+// However it was cut, components have the numbers that they had.
+TEST(OwnFaces, ComeFromTheSurfaceAsItWasBeforeTheCut) {
+  const TriangleMesh cubes = Joined(Moved(Cube(2), {5, 0, 0}), Cube(2));
+  const absl::StatusOr<Preparation> prepared = Prepare(Problem{cubes, {}}, Context{});
+  ASSERT_THAT(prepared, IsOk());
+  const MeshSurface& surface = *prepared->surface;
+  ASSERT_EQ(surface.component_count(), 12u) << "the sides of both";
+  const TriangleMesh before = surface.MeshBeforeCut();
+  EXPECT_EQ(before.positions, cubes.positions);
+  EXPECT_EQ(before.triangles, cubes.triangles);
+  for (uint32_t f = 0; f < cubes.triangles.size(); ++f)
+    EXPECT_EQ(surface.WholeComponentOf(surface.ComponentOf(FaceId(f))), f < cubes.triangles.size() / 2 ? 0u : 1u);
 }
 
 // More faults than are mended one by one: rods in tubes, so close to them that edges as long as asked for pass through both.
