@@ -267,7 +267,7 @@ absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& p, MeshSink& sink, const 
     if (absl::IsInvalidArgument(prepared)) break;  // so few, or so many, can't be made
     MESHFRONT_RETURN_IF_ERROR(prepared);
   }
-  if (best.fault_count() > 0 && !p.parameters.options.min_edge)
+  if (best.fault_count() > 0 && best.front.triangles > 0 && !p.parameters.options.min_edge)
     MESHFRONT_RETURN_IF_ERROR(PutOwnFacesIn(p, best, context));
   held.PutBack(std::exchange(best.pieces, {}));
   MESHFRONT_RETURN_IF_ERROR(held.Release());
