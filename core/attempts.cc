@@ -1,6 +1,7 @@
 // 1. the limit up to which the result is held    2. the front    3. its faults: open places, and where it meets itself
 // 4. the best attempt so far is kept             5. field and fronts again, finer or for another count, or with faces of the
 //                                                   input cut loose around the faults; back to 2
+// 6. components that are wrong in the best one are the input's own faces
 // Rims and creases are divided before the front starts, and no roll-back can divide them again: an edge of them that is too long for
 // what lies close by is only mended so. Where shorter edges don't help, the ground is rough: folds as thin as their own edges look the
 // same at any length. There the input's faces, each a patch of its own, are what the mesh is made of.
@@ -22,6 +23,7 @@
 #include "core/guidance/sizing.h"
 #include "core/loose_faces.h"
 #include "core/mesh/self_intersection.h"
+#include "core/own_faces.h"
 
 namespace meshfront {
 namespace {
@@ -34,6 +36,7 @@ constexpr uint64_t kMaxPerPredicted = 2, kMaxBeyondPredicted = 20000;
 constexpr double kInsertionsForCount = 0.0185;
 
 constexpr uint64_t kHeldTriangles = 1 << 19;
+constexpr uint64_t kHeldPerFace = 8;  // of the input, where those are more: it takes more memory than they do
 // Where there are rims at all, or a number up to this is wanted: not much more than what the settling window keeps before it lets go of any.
 constexpr uint64_t kHeldInAnyCase = 6000;
 // Rough ground: this share of the edges turns by more than the angle of this cosine (80°).
@@ -92,9 +95,17 @@ FrontOptions FrontOptionsOf(const Preparation& p, bool passes_sharp_edges) {
                                                               : std::numeric_limits<double>::infinity()};
 }
 
+// Of an input that was no surface: what repair made of it may be as thin and as folded as no scan is.
+bool WasSoup(const Preparation& p) {
+  return std::any_of(p.input.repairs.begin(), p.input.repairs.end(), [](const RepairAction& action) {
+    return action.what == "split_non_manifold_edges" || action.what == "cut_non_orientable_edges" ||
+           action.what == "dropped_non_manifold_faces";
+  });
+}
+
 uint64_t HeldLimit(const Preparation& p, bool may_fail) {
   if (p.region) return std::numeric_limits<uint64_t>::max();  // what is close to the rest can only be seen so
-  if (may_fail) return kHeldTriangles;
+  if (may_fail) return std::max(kHeldTriangles, kHeldPerFace * p.surface->mesh().triangles.size());
   const uint64_t wanted = p.parameters.target_triangles;
   const uint64_t for_count = wanted <= kHeldInAnyCase ? wanted + wanted / 2 : 0;
   return p.loops.empty() ? for_count : std::max(for_count, kHeldInAnyCase);
@@ -173,11 +184,14 @@ absl::StatusOr<Attempt> MakeAttempt(const Preparation& p, bool looks_closely, bo
   attempt.has_other_topology = HasOtherTopology(attempt.front, p);
   if (held.is_passing()) return attempt;
   attempt.pieces = held.Take();
+  for (HeldPiece& piece : attempt.pieces) {
+    for (OutputVertex& v : piece.vertices) v.sheet = p.surface->WholeComponentOf(v.sheet);
+  }
   const TriangleMesh mesh = MeshOf(attempt.pieces);
-  const double bound =
+  attempt.bound =
       std::isfinite(options.max_error) ? options.max_error : options.bound_per_length * attempt.front.longest_edge;
   if (p.builder->HasCloseSheets() || looks_closely)
-    MESHFRONT_RETURN_IF_ERROR(FindIntersections(mesh, p, bound, attempt, context));
+    MESHFRONT_RETURN_IF_ERROR(FindIntersections(mesh, p, attempt.bound, attempt, context));
   FindFlatTriangles(mesh, attempt);
   return attempt;
 }
@@ -205,6 +219,30 @@ std::optional<uint64_t> NextCount(const Preparation& p, const Attempt& attempt, 
 void GradeGently(Preparation& p) {
   p.parameters.options.eta = kGentleEta;
   p.builder = std::make_unique<FieldBuilder>(*p.surface, *p.builder, kGentleEta);
+}
+
+// What is still wrong is not handed on where the input's own faces may be.
+absl::Status PutOwnFacesIn(const Preparation& p, Attempt& best, const Context& context) {
+  MESHFRONT_ASSIGN_OR_RETURN(PartlyOwn mixed, PutOwnFacesIn(best.pieces, *p.surface, best.bound, kFlatRatio, context));
+  best.pieces = std::move(mixed.pieces);
+  best.own_components = mixed.components;
+  best.own_faces = mixed.faces;
+  best.intersections.clear();
+  best.flat_triangles.clear();
+  best.has_other_topology = false;
+  FrontReport& front = best.front;
+  front.open_places.clear();
+  front.vertices = mixed.topology.vertices;
+  front.triangles = mixed.topology.triangles;
+  front.free_triangles = mixed.by_kind[0];
+  front.connection_triangles = mixed.by_kind[1];
+  front.closing_triangles = mixed.by_kind[2];
+  front.components = mixed.topology.components;
+  front.boundary_edges = mixed.topology.boundary_edges;
+  front.boundary_loops = mixed.topology.boundary_loops;
+  front.pinched_vertices = 0;
+  front.quality = mixed.quality;
+  return absl::OkStatus();
 }
 
 // Edges half as long around the faults mend rims and creases that lie close to something. Not where an edge must be longer than the
@@ -261,7 +299,7 @@ absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& p, MeshSink& sink, const 
   MESHFRONT_ASSIGN_OR_RETURN(const bool is_close, DoCurvesLieClose(*p.surface, p.loops, context));
   const bool is_rough = IsRough(*p.surface);
   bool may_keep_creases = !p.parameters.options.crease_angle, keeps_creases = false;
-  HoldingSink held(sink, HeldLimit(p, is_close || is_rough));
+  HoldingSink held(sink, HeldLimit(p, is_close || is_rough || WasSoup(p)));
   const uint64_t wanted = p.parameters.target_triangles;
   Attempt best;
   Remedy remedy;
@@ -298,6 +336,8 @@ absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& p, MeshSink& sink, const 
     if (absl::IsInvalidArgument(prepared)) break;  // so few, or so many, can't be made
     MESHFRONT_RETURN_IF_ERROR(prepared);
   }
+  if (best.fault_count() > 0 && best.front.triangles > 0 && !p.parameters.options.min_edge && !p.region)
+    MESHFRONT_RETURN_IF_ERROR(PutOwnFacesIn(p, best, context));
   held.PutBack(std::exchange(best.pieces, {}));
   MESHFRONT_RETURN_IF_ERROR(held.Release());
   return best;

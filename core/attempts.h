@@ -24,6 +24,8 @@ struct Attempt {
   bool has_other_topology = false;   // than the input: components, boundary loops or genus; only where it is whole
   bool keeps_creases = false;        // though they were not to be kept: no front passed over them
   std::vector<HeldPiece> pieces;     // what was held of it; none afterwards
+  double bound = 0;                  // of the error: how far from where the surface meets itself it may, too
+  uint64_t own_components = 0, own_faces = 0;  // of the input, handed on as they came in (own_faces.h)
 
   size_t fault_count() const {
     return front.open_places.size() + intersections.size() + flat_triangles.size() + has_other_topology;
@@ -38,14 +40,15 @@ TopologyReport TopologyOf(const FrontReport& front);
 bool HasOtherTopology(const TopologyReport& output, const TopologyReport& input);
 
 // Advances the fronts of a preparation into the sink, as AdvanceFront does, with its errors. Results with creases, or with rims that
-// lie close to something (close_curves.h), or on ground where one edge in 200 turns sharply, are held back up to 524,288 triangles, those
-// with other rims up to 6,000, and whole ones of which up to 6,000 are wanted. While nothing went on they are made again, at most six
-// times: where creases were not to be kept, with those of more than 40 degrees; where the topology is not the input's, or there are more
-// than 1,000 faults, with an eta of 1.2 if it was larger; where there are fewer, with edges half as long around them, up to three times
-// and not on such ground; then with the input's faces cut loose around the faults (loose_faces.h), unless a shortest edge is asked for;
-// and up to three times for as many more or fewer triangles as came too few or too many when a number was wanted (off by more than 3 %).
-// The attempt with the fewest faults goes on, of equals the one nearest to the count. Progress begins anew with each. Changes the
-// preparation.
+// lie close to something (close_curves.h), or on ground where one edge in 200 turns sharply, or of inputs that were no surface before
+// repair, are held back up to 524,288 triangles or 8 for each face of the input, those with other rims up to 6,000, those of a region and
+// whole ones of which up to 6,000 are wanted. While nothing went on they are made again, at most six times: where creases were not to be
+// kept, with those of more than 40 degrees; where the topology is not the input's, or there are more than 1,000 faults, with an eta of 1.2
+// if it was larger; where there are fewer, with edges half as long around them, up to three times and not on such ground; then with the
+// input's faces cut loose around the faults (loose_faces.h), unless a shortest edge is asked for; and up to three times for as many more or
+// fewer triangles as came too few or too many when a number was wanted (off by more than 3 %). The attempt with the fewest faults goes on,
+// of equals the one nearest to the count; components that are wrong in it are the input's own faces (own_faces.h), unless a shortest edge
+// or a region is asked for. Progress begins anew with each. Changes the preparation.
 absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& preparation, MeshSink& sink, const Context& context);
 
 }  // namespace meshfront

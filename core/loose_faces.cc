@@ -18,21 +18,6 @@
 namespace meshfront {
 namespace {
 
-// Copies of a vertex are numbered behind all originals.
-TriangleMesh MeshBeforeTheCut(const MeshSurface& surface) {
-  const TriangleMesh& cut = surface.mesh();
-  TriangleMesh mesh;
-  for (size_t v = 0; v < cut.positions.size() && surface.OriginalOf(VertexId(v)) == v; ++v)
-    mesh.positions.push_back(cut.positions[v]);
-  mesh.triangles.reserve(cut.triangles.size());
-  for (const Triangle& t : cut.triangles) {
-    Triangle whole;
-    for (int i = 0; i < 3; ++i) whole[i] = VertexId(surface.OriginalOf(t[i]));
-    mesh.triangles.push_back(whole);
-  }
-  return mesh;
-}
-
 std::vector<bool> CutsOf(const MeshSurface& surface) {
   std::vector<bool> cuts(3 * surface.mesh().triangles.size());
   for (uint32_t h = 0; h < cuts.size(); ++h) cuts[h] = surface.AcrossCrease(h) != kNoHalfEdge;
@@ -80,7 +65,7 @@ absl::Status NoOrientedManifold() {
 }  // namespace
 
 absl::Status CutFacesLoose(absl::Span<const Vec3> places, double reach, Preparation& p, const Context& context) {
-  TriangleMesh mesh = MeshBeforeTheCut(*p.surface);
+  TriangleMesh mesh = p.surface->MeshBeforeCut();
   std::optional<FaceAdjacency> adjacency = FindOrientedAdjacency(mesh);
   if (!adjacency) return NoOrientedManifold();
   std::vector<bool> cuts = CutsOf(*p.surface);
@@ -98,7 +83,7 @@ absl::Status CutFacesLoose(absl::Span<const Vec3> places, double reach, Preparat
 }
 
 absl::StatusOr<bool> CutAlongCreases(double angle, Preparation& p, const Context& context) {
-  TriangleMesh mesh = MeshBeforeTheCut(*p.surface);
+  TriangleMesh mesh = p.surface->MeshBeforeCut();
   std::optional<FaceAdjacency> adjacency = FindOrientedAdjacency(mesh);
   if (!adjacency) return NoOrientedManifold();
   MESHFRONT_ASSIGN_OR_RETURN(std::vector<bool> cuts, FindCreases(mesh, *adjacency, angle, context));

@@ -108,6 +108,11 @@ void WarnOfFaults(const Attempt& attempt, Report& report) {
   }
   if (!attempt.flat_triangles.empty())
     report.warnings.push_back(absl::StrCat(attempt.flat_triangles.size(), " triangles have no area"));
+  if (attempt.own_components > 0) {
+    report.warnings.push_back(absl::StrCat(attempt.own_components, " of ", report.input.topology.components,
+                                           " components are the input's own faces (", attempt.own_faces,
+                                           "), since no mesh of them came out whole and without self-intersection"));
+  }
 }
 
 // An empty mesh is no result. The test that refused most says why.

@@ -662,7 +662,7 @@ VertexId SettlingWindow::NameOf(const WindowVertex& v, std::vector<OutputVertex>
   const VertexId name(next_output_++);
   // Where patches turn their backs on each other their normals cancel out: either is as good.
   const Vec3 mean = joint == nullptr ? Vec3{} : Normalized(joint->normal);
-  vertices.push_back({v.position, mean == Vec3{} ? v.source.normal : mean, v.joint});
+  vertices.push_back({v.position, mean == Vec3{} ? v.source.normal : mean, v.joint, v.sheet});
   if (joint != nullptr) joint->emitted = name;
   return name;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/types/span.h"
@@ -16,6 +17,7 @@ struct OutputVertex {
   Vec3 position;
   Vec3 normal;                // unit normal of the surface there
   uint32_t joint = kNoJoint;  // its number among the joints of the initial fronts (oriented_loop.h)
+  uint32_t sheet = 0;         // of the surface, by its number: a patch between creases, or a component
 };
 
 // How a triangle came to be (sec. 3): with a new vertex at the lengths that the guidance field asks for, with an existing front

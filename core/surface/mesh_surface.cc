@@ -89,8 +89,28 @@ void MeshSurface::MeasureWholeComponents() {
     Box3& box = boxes[patches.Find(components_.label[f])];
     for (const VertexId v : mesh_.triangles[f]) box.Extend(mesh_.PositionAt(v));
   }
-  for (uint32_t patch = 0; patch < component_count(); ++patch)
-    whole_diagonals_.push_back(boxes[patches.Find(patch)].Diagonal());
+  std::vector<uint32_t> number(component_count(), kNoHalfEdge);  // of the whole, by its root
+  uint32_t count = 0;
+  for (uint32_t patch = 0; patch < component_count(); ++patch) {
+    const uint32_t root = patches.Find(patch);
+    whole_diagonals_.push_back(boxes[root].Diagonal());
+    if (number[root] == kNoHalfEdge) number[root] = count++;
+    whole_components_.push_back(number[root]);
+  }
+}
+
+// Copies of a vertex are numbered behind all originals.
+TriangleMesh MeshSurface::MeshBeforeCut() const {
+  TriangleMesh mesh;
+  for (size_t v = 0; v < mesh_.positions.size() && OriginalOf(VertexId(v)) == v; ++v)
+    mesh.positions.push_back(mesh_.positions[v]);
+  mesh.triangles.reserve(mesh_.triangles.size());
+  for (const Triangle& t : mesh_.triangles) {
+    Triangle whole;
+    for (int i = 0; i < 3; ++i) whole[i] = VertexId(OriginalOf(t[i]));
+    mesh.triangles.push_back(whole);
+  }
+  return mesh;
 }
 
 void MeshSurface::SetWholeDiagonals(absl::FunctionRef<double(FaceId)> diagonal) {

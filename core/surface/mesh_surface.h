@@ -108,6 +108,12 @@ class MeshSurface final : public Surface {
   }
   // For a surface that is itself less than the whole: what the diagonal is for the component of a face.
   void SetWholeDiagonals(absl::FunctionRef<double(FaceId)> diagonal);
+  // … and its number, in the order of their first faces: the same however the mesh was cut.
+  uint32_t WholeComponentOf(uint32_t component) const {
+    return whole_components_.empty() ? component : whole_components_[component];
+  }
+  // The mesh before the cut.
+  TriangleMesh MeshBeforeCut() const;
   bool ComponentHasBoundary(uint32_t component) const { return component_has_boundary_[component]; }
   // A good place to begin at, for each component without boundary (or, with `all`, for each), in the order of components: the
   // centroid of a well-shaped face where the surface is flat for its size.
@@ -164,6 +170,7 @@ class MeshSurface final : public Surface {
   FaceComponents components_;
   std::vector<bool> component_has_boundary_;
   std::vector<double> component_diagonals_, whole_diagonals_;  // the latter empty when nothing was cut, and of no part
+  std::vector<uint32_t> whole_components_;                     // empty when nothing was cut
   bool has_curvature_ = false;
   // Of a part only.
   std::vector<bool> is_border_;

@@ -1,0 +1,34 @@
+// The last resort: components of which no mesh comes out right are handed on as they came in.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/base/context.h"
+#include "core/mesh/holding_sink.h"
+#include "core/mesh/quality.h"
+#include "core/mesh/topology.h"
+#include "core/surface/mesh_surface.h"
+
+namespace meshfront {
+
+// An output of which some components are the input's own faces.
+struct PartlyOwn {
+  std::vector<HeldPiece> pieces;
+  TopologyReport topology;
+  QualityReport quality;
+  uint64_t by_kind[3] = {0, 0, 0};  // triangles, as in TriangleKind; the input's faces close what the front left
+  uint64_t components = 0;          // that are the input's own
+  uint64_t faces = 0;               // of these
+};
+
+// Puts the surface's own faces, as they were before it was cut, in the place of every component of the output whose components, boundary
+// loops or genus are not those of the surface's, which is no oriented manifold, has a triangle without area (radius ratio below
+// `flat_ratio`), or meets itself or another where the surface does not within `bound`. What is left meets nothing else, since the surface
+// itself doesn't. Vertices of the pieces have for a sheet the component before the cut (MeshSurface::WholeComponentOf). Cancelled or
+// DeadlineExceeded. O(n log n) a round, of which there is one more than components that touch one another in a row, and 8 at most.
+absl::StatusOr<PartlyOwn> PutOwnFacesIn(const std::vector<HeldPiece>& pieces, const MeshSurface& surface, double bound,
+                                        double flat_ratio, const Context& context);
+
+}  // namespace meshfront
