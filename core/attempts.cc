@@ -78,7 +78,8 @@ FrontOptions FrontOptionsOf(const Preparation& p) {
           .sweep = LongestAxis(p.surface->mesh()),
           .max_error = o.sizing == Sizing::kError ? p.parameter : std::numeric_limits<double>::infinity(),
           .max_insertions = p.parameters.target_triangles > 0 ? kInsertionsForCount * p.predicted_triangles
-                                                              : std::numeric_limits<double>::infinity()};
+                                                              : std::numeric_limits<double>::infinity(),
+          .wedges = !p.attributes.empty()};
 }
 
 uint64_t HeldLimit(const Preparation& p, bool may_fail) {

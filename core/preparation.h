@@ -19,6 +19,8 @@ struct Preparation {
   InputReport input;
   ParametersInForce parameters;
   std::unique_ptr<MeshSurface> surface;
+  MeshAttributes attributes;      // of the surface's faces
+  bool has_flat_normals = false;  // the attribute's are those of flat faces
   std::unique_ptr<FieldBuilder> builder;
   std::optional<GuidanceField> field;
   std::vector<OrientedLoop> loops;

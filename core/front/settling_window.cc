@@ -663,6 +663,19 @@ VertexId SettlingWindow::NameOf(const WindowVertex& v, std::vector<OutputVertex>
   return name;
 }
 
+CornerWedges SettlingWindow::WedgesOf(const WindowTriangle& t, std::vector<OutputWedge>& wedges) {
+  CornerWedges out;
+  for (int i = 0; i < 3; ++i) {
+    WindowVertex& v = fronts_.at(t.corners[i]);
+    if (v.wedge == kNoWedge) {
+      v.wedge = next_wedge_++;
+      wedges.push_back({v.source.patch, v.source.u, v.source.v, v.source.normal});
+    }
+    out[i] = v.wedge;
+  }
+  return out;
+}
+
 absl::Status SettlingWindow::Emit(bool everything) {
   std::vector<WindowTriangleId> leaving;
   for (uint32_t i = 0; i < fronts_.triangle_slots(); ++i) {
@@ -673,6 +686,9 @@ absl::Status SettlingWindow::Emit(bool everything) {
   std::vector<OutputVertex> vertices;
   std::vector<Triangle> triangles;
   std::vector<TriangleKind> kinds;
+  std::vector<OutputWedge> wedges;
+  std::vector<CornerWedges> corners;
+  std::vector<uint32_t> faces;
   for (const WindowTriangleId id : leaving) {
     const WindowTriangle& t = fronts_.at(id);
     Triangle out;
@@ -685,6 +701,10 @@ absl::Status SettlingWindow::Emit(bool everything) {
     }
     triangles.push_back(out);
     kinds.push_back(t.kind);
+    if (options_.wedges) {
+      corners.push_back(WedgesOf(t, wedges));
+      faces.push_back(fronts_.at(t.corners[0]).source.patch);
+    }
     if (std::isfinite(options_.max_error)) {
       if (t.deviation < 0) refinement_.Measure(id);
       if (t.deviation > options_.max_error && MayBeLargest(t.deviation)) refinement_.Enclose(id);
@@ -701,7 +721,7 @@ absl::Status SettlingWindow::Emit(bool everything) {
   counts_.vertices += vertices.size();
   counts_.triangles += triangles.size();
   const std::vector<VertexId> finalised = fronts_.Settle(leaving);
-  return sink_.Append({vertices, triangles, finalised, fronts_.front_edge_count(), kinds});
+  return sink_.Append({vertices, triangles, finalised, fronts_.front_edge_count(), kinds, wedges, corners, faces, {}, {}});
 }
 
 }  // namespace meshfront

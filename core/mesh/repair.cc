@@ -61,13 +61,15 @@ bool HasUnreferenced(const FaceAdjacency& adjacency) {
 // Faces of which no surface can be made, by kind.
 bool DropUnusable(TriangleMesh& mesh, ActionCounts& actions) {
   uint64_t repeated = 0, not_finite = 0, huge = 0;
-  std::erase_if(mesh.triangles, [&](const Triangle& t) {
-    const FaceState state = StateOf(mesh, t);
+  size_t kept = 0;
+  for (size_t f = 0; f < mesh.triangles.size(); ++f) {
+    const FaceState state = StateOf(mesh, mesh.triangles[f]);
     repeated += state == FaceState::kRepeatedIndex;
     not_finite += state == FaceState::kNotFinite;
     huge += state == FaceState::kHuge;
-    return state != FaceState::kSound && state != FaceState::kZeroArea;
-  });
+    if (state == FaceState::kSound || state == FaceState::kZeroArea) MoveFace(mesh, f, kept++);
+  }
+  ResizeFaces(mesh, kept);
   bool changed = actions.Add("dropped_non_finite_faces", not_finite);
   changed |= actions.Add("dropped_huge_faces", huge);
   return changed | actions.Add("dropped_degenerate_faces", repeated);
@@ -79,9 +81,9 @@ void DropFaces(TriangleMesh& mesh, const std::vector<bool>& dropped, std::vector
   for (size_t f = 0; f < dropped.size(); ++f) {
     if (dropped[f]) continue;
     flags[kept] = flags[f];
-    mesh.triangles[kept++] = mesh.triangles[f];
+    MoveFace(mesh, f, kept++);
   }
-  mesh.triangles.resize(kept);
+  ResizeFaces(mesh, kept);
   flags.resize(kept);
 }
 

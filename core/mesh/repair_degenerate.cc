@@ -27,9 +27,9 @@ std::vector<uint32_t> ZeroAreaFaces(const TriangleMesh& mesh) {
 void RemoveFaces(TriangleMesh& mesh, const std::vector<bool>& dropped) {
   size_t kept = 0;
   for (size_t f = 0; f < mesh.triangles.size(); ++f) {
-    if (!dropped[f]) mesh.triangles[kept++] = mesh.triangles[f];
+    if (!dropped[f]) MoveFace(mesh, f, kept++);
   }
-  mesh.triangles.resize(kept);
+  ResizeFaces(mesh, kept);
 }
 
 // How many faces lie at the sides of some triangles, sides at the same positions counted together.

@@ -186,7 +186,7 @@ class ManifoldMaker {
     }
     partner_.swap(partner);
     for (uint32_t f = 0; f < reversed.size(); ++f) {
-      if (reversed[f]) std::swap(mesh_.triangles[f][1], mesh_.triangles[f][2]);
+      if (reversed[f]) ReverseFace(mesh_, f);
     }
   }
 
@@ -306,9 +306,9 @@ class ManifoldMaker {
       partner[3 * new_face[h / 3] + h % 3] = 3 * new_face[g / 3] + g % 3;
     }
     for (uint32_t f = 0; f < dropped.size(); ++f) {
-      if (!dropped[f]) mesh_.triangles[new_face[f]] = mesh_.triangles[f];
+      if (!dropped[f]) MoveFace(mesh_, f, new_face[f]);
     }
-    mesh_.triangles.resize(count);
+    ResizeFaces(mesh_, count);
     partner_.swap(partner);
   }
 

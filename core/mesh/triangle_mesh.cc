@@ -1,6 +1,27 @@
 #include "core/mesh/triangle_mesh.h"
 
+#include <utility>
+
 namespace meshfront {
+
+void MoveFace(TriangleMesh& mesh, size_t from, size_t to) {
+  mesh.triangles[to] = mesh.triangles[from];
+  MeshAttributes& a = mesh.attributes;
+  if (!a.corners.empty()) a.corners[to] = a.corners[from];
+  if (!a.groups.empty()) a.groups[to] = a.groups[from];
+}
+
+void ResizeFaces(TriangleMesh& mesh, size_t count) {
+  mesh.triangles.resize(count);
+  if (!mesh.attributes.corners.empty()) mesh.attributes.corners.resize(count);
+  if (!mesh.attributes.groups.empty()) mesh.attributes.groups.resize(count);
+}
+
+void ReverseFace(TriangleMesh& mesh, size_t face) {
+  std::swap(mesh.triangles[face][1], mesh.triangles[face][2]);
+  if (!mesh.attributes.corners.empty())
+    std::swap(mesh.attributes.corners[face][1], mesh.attributes.corners[face][2]);
+}
 
 Box3 BoundingBox(const TriangleMesh& mesh) {
   Box3 box;

@@ -8,6 +8,7 @@
 #include "core/base/ids.h"
 #include "core/geometry/box.h"
 #include "core/geometry/vec3.h"
+#include "core/mesh/attributes.h"
 
 namespace meshfront {
 
@@ -19,12 +20,19 @@ struct TriangleMesh {
   std::vector<Vec3> positions;
   std::vector<Triangle> triangles;
   std::vector<Vec3> normals;  // empty, or one per vertex, unit length (point sets)
+  MeshAttributes attributes;  // empty, or of every triangle
   // Attributes the file held that no array above carries ("texcoord_0", "materials", …): for the warning that they are dropped.
   std::vector<std::string> dropped_attributes;
 
   bool IsPointSet() const { return triangles.empty(); }
   const Vec3& PositionAt(VertexId v) const { return positions[v.index()]; }
 };
+
+// Changes of the list of triangles, which take their attributes along: face `from` goes to `to`, the last ones go, and corners 1 and 2
+// of a face change places.
+void MoveFace(TriangleMesh& mesh, size_t from, size_t to);
+void ResizeFaces(TriangleMesh& mesh, size_t count);
+void ReverseFace(TriangleMesh& mesh, size_t face);
 
 // Box of the vertices that a triangle uses (of all vertices for a point set).
 Box3 BoundingBox(const TriangleMesh& mesh);
