@@ -117,6 +117,10 @@ Vec3 GltfAccessor::VectorAt(uint64_t i) const {
   return {ComponentAt(at), ComponentAt(at + size), ComponentAt(at + 2 * size)};
 }
 
+double GltfAccessor::NumberAt(uint64_t i, int c) const {
+  return ComponentAt(data + i * stride + c * ComponentBytes(component_type));
+}
+
 uint32_t GltfAccessor::IndexAt(uint64_t i) const {
   const uint8_t* at = data + i * stride;
   if (component_type == kUnsignedByte) return *at;
@@ -319,6 +323,11 @@ absl::StatusOr<absl::Span<const uint8_t>> GltfFile::ViewBytes(uint64_t index, ui
                   *buffer.Integer(), "], which has ", bytes.size());
   }
   return bytes.subspan(offset, length);
+}
+
+absl::StatusOr<absl::Span<const uint8_t>> GltfFile::View(uint64_t index) {
+  uint64_t stride = 0;
+  return ViewBytes(index, stride);
 }
 
 absl::StatusOr<absl::Span<const uint8_t>> GltfFile::BufferBytes(uint64_t index) {
