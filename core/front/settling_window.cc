@@ -721,7 +721,8 @@ absl::Status SettlingWindow::Emit(bool everything) {
   counts_.vertices += vertices.size();
   counts_.triangles += triangles.size();
   const std::vector<VertexId> finalised = fronts_.Settle(leaving);
-  return sink_.Append({vertices, triangles, finalised, fronts_.front_edge_count(), kinds, wedges, corners, faces, {}, {}});
+  return sink_.Append(
+      {vertices, triangles, finalised, fronts_.front_edge_count(), kinds, wedges, corners, faces, {}, {}});
 }
 
 }  // namespace meshfront

@@ -139,6 +139,7 @@ class Formatter {
     if (is_new) {
       Json accessor = old_accessors_[*index];
       MoveView(accessor, "bufferView");
+      DropPlainStride(accessor);
       if (Json* const sparse = Member(accessor, "sparse")) {
         for (const char* part : {"indices", "values"}) {
           if (Json* const json = Member(*sparse, part)) MoveView(*json, "bufferView");
@@ -148,6 +149,18 @@ class Formatter {
       at->second = accessors_.size() - 1;
     }
     object[key] = at->second;
+  }
+
+  // Where elements lie behind each other a stride says nothing, and for animations and skins it is forbidden.
+  void DropPlainStride(Json& accessor) {
+    const std::optional<uint64_t> view = IndexIn(accessor, "bufferView"), type = IndexIn(accessor, "componentType");
+    if (!view || !type || Member(accessor, "type") == nullptr) return;
+    const uint64_t bytes = *type >= kUint32 ? 4 : *type >= 5122 ? 2 : 1;
+    static const std::map<std::string, uint64_t> kCounts = {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3},
+                                                            {"VEC4", 4},   {"MAT3", 9}, {"MAT4", 16}};
+    const auto count = kCounts.find(Member(accessor, "type")->get<std::string>());
+    const std::optional<uint64_t> stride = IndexIn(views_[*view], "byteStride");
+    if (count != kCounts.end() && stride && *stride == count->second * bytes) views_[*view].erase("byteStride");
   }
 
   // Weights of morph targets have nothing to move any more.

@@ -172,7 +172,8 @@ absl::Status GltfFile::Open(std::string_view json) {
   if (version.substr(0, 2) != "2.") {
     return Refuse(source_, "asset.version is ", Quote(version), "; only 2.x is known");
   }
-  for (const std::string_view name : {"accessors", "bufferViews", "buffers", "meshes", "nodes", "scenes"}) {
+  for (const std::string_view name : {"accessors", "bufferViews", "buffers", "meshes", "nodes", "scenes", "images",
+                                      "skins", "animations", "materials"}) {
     std::vector<uint32_t>& elements = arrays_[std::string(name)];
     const JsonValue array = root().Find(name);
     elements.reserve(array.is_array() ? array.size() : 0);

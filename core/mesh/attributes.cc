@@ -85,8 +85,8 @@ absl::Status ValidateAttributes(const MeshAttributes& a, size_t triangles) {
         absl::StrCat("attributes.corners has ", a.corners.size(), " elements; there are ", triangles, " triangles"));
   if (a.channels.empty()) return absl::OkStatus();
   if (a.values.size() % a.Stride() != 0)
-    return absl::InvalidArgumentError(absl::StrCat("attributes.values has ", a.values.size(),
-                                                   " numbers; it must be a multiple of ", a.Stride()));
+    return absl::InvalidArgumentError(
+        absl::StrCat("attributes.values has ", a.values.size(), " numbers; it must be a multiple of ", a.Stride()));
   const uint32_t wedges = a.wedge_count();
   for (size_t f = 0; f < a.corners.size(); ++f) {
     for (const uint32_t w : a.corners[f]) {

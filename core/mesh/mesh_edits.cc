@@ -24,7 +24,7 @@ void FlipWedges(TriangleMesh& mesh, uint32_t h, uint32_t g) {
   uint32_t w = WedgeOf(mesh, PreviousHalfEdge(h));
   if (!SameValues(a, u_cap, u) || !SameValues(a, v_cap, v)) {
     const Vec3 &from = mesh.PositionAt(OriginOf(mesh, h)), &to = mesh.PositionAt(TargetOf(mesh, h));
-    const Vec3 &apex = mesh.PositionAt(OriginOf(mesh, PreviousHalfEdge(h)));
+    const Vec3& apex = mesh.PositionAt(OriginOf(mesh, PreviousHalfEdge(h)));
     const double length2 = SquaredDistance(from, to);
     const double t = length2 > 0 ? Dot(apex - from, to - from) / length2 : 0;
     w = AddWedgeBetween(a, u, v, std::clamp(t, 0.0, 1.0));

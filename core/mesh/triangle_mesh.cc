@@ -19,8 +19,7 @@ void ResizeFaces(TriangleMesh& mesh, size_t count) {
 
 void ReverseFace(TriangleMesh& mesh, size_t face) {
   std::swap(mesh.triangles[face][1], mesh.triangles[face][2]);
-  if (!mesh.attributes.corners.empty())
-    std::swap(mesh.attributes.corners[face][1], mesh.attributes.corners[face][2]);
+  if (!mesh.attributes.corners.empty()) std::swap(mesh.attributes.corners[face][1], mesh.attributes.corners[face][2]);
 }
 
 Box3 BoundingBox(const TriangleMesh& mesh) {
