@@ -1,6 +1,7 @@
 #include "client/chunk_decoder.h"
 
 #include <bit>
+#include <cmath>
 #include <cstring>
 
 #include "absl/strings/str_cat.h"
@@ -30,7 +31,44 @@ Vec3 VectorAt(const std::string& bytes, size_t i, v1::ScalarType type) {
   return v;
 }
 
+template <class Element>
+void CopyElements(const std::string& bytes, std::vector<Element>& out) {
+  out.resize(bytes.size() / sizeof(Element));
+  if (!out.empty()) std::memcpy(out.data(), bytes.data(), bytes.size());
+}
+
 }  // namespace
+
+absl::Status ChunkDecoder::CheckAttributes(const v1::Chunk& chunk) {
+  const size_t values = chunk.wedge_values().size() / sizeof(float);
+  if (stride_ == 0 && chunk.wedge_count() > 0) stride_ = values / chunk.wedge_count();
+  if (chunk.wedge_values().size() != chunk.wedge_count() * stride_ * sizeof(float))
+    return Damaged(chunk, "the size of its wedge values");
+  const size_t triangles = chunk.triangle_count();
+  if (!chunk.corner_wedges().empty() && chunk.corner_wedges().size() != triangles * sizeof(CornerWedges))
+    return Damaged(chunk, "the size of its corner wedges");
+  if (!chunk.groups().empty() && chunk.groups().size() != triangles * sizeof(uint32_t))
+    return Damaged(chunk, "the size of its groups");
+  return absl::OkStatus();
+}
+
+absl::Status ChunkDecoder::DecodeAttributes(const v1::Chunk& chunk) {
+  MESHFRONT_RETURN_IF_ERROR(CheckAttributes(chunk));
+  CopyElements(chunk.wedge_values(), wedge_values_);
+  CopyElements(chunk.corner_wedges(), corner_wedges_);
+  CopyElements(chunk.groups(), groups_);
+  wedge_count_ += chunk.wedge_count();
+  for (const float value : wedge_values_) {
+    if (!std::isfinite(value)) return Damaged(chunk, "a value of a wedge is not finite");
+  }
+  for (const CornerWedges& corners : corner_wedges_) {
+    for (const uint32_t w : corners) {
+      if (w >= wedge_count_)
+        return Damaged(chunk, absl::StrCat("a corner names wedge ", w, "; ", wedge_count_, " came so far"));
+    }
+  }
+  return absl::OkStatus();
+}
 
 absl::Status ChunkDecoder::Decode(const v1::Chunk& chunk) {
   MESHFRONT_RETURN_IF_ERROR(CheckFrame(chunk));
@@ -38,6 +76,7 @@ absl::Status ChunkDecoder::Decode(const v1::Chunk& chunk) {
   vertex_count_ += chunk.vertex_count();
   MESHFRONT_RETURN_IF_ERROR(DecodeTriangles(chunk));
   triangle_count_ += chunk.triangle_count();
+  MESHFRONT_RETURN_IF_ERROR(DecodeAttributes(chunk));
   chunks_crc32c_ = ExtendChunksCrc32c(chunks_crc32c_, chunk.crc32c());
   ++chunk_count_;
   return absl::OkStatus();

@@ -19,6 +19,10 @@ class ChunkDecoder {
   absl::Status Decode(const v1::Chunk& chunk);
   absl::Span<const SpooledVertex> vertices() const { return vertices_; }
   absl::Span<const Triangle> triangles() const { return triangles_; }
+  // Of the chunk's wedges and triangles; empty where the result has none.
+  absl::Span<const float> wedge_values() const { return wedge_values_; }
+  absl::Span<const CornerWedges> corner_wedges() const { return corner_wedges_; }
+  absl::Span<const uint32_t> groups() const { return groups_; }
 
   // Totals so far.
   uint64_t chunk_count() const { return chunk_count_; }
@@ -31,12 +35,18 @@ class ChunkDecoder {
   absl::Status CheckFrame(const v1::Chunk& chunk) const;
   absl::Status DecodeVertices(const v1::Chunk& chunk);
   absl::Status DecodeTriangles(const v1::Chunk& chunk);
+  absl::Status CheckAttributes(const v1::Chunk& chunk);
+  absl::Status DecodeAttributes(const v1::Chunk& chunk);
 
   v1::ScalarType scalar_type_;
   uint64_t chunk_count_ = 0, vertex_count_ = 0, triangle_count_ = 0;
   uint32_t chunks_crc32c_ = 0;
   std::vector<SpooledVertex> vertices_;
   std::vector<Triangle> triangles_;
+  uint64_t wedge_count_ = 0, stride_ = 0;  // stride: 0 until the first wedge
+  std::vector<float> wedge_values_;
+  std::vector<CornerWedges> corner_wedges_;
+  std::vector<uint32_t> groups_;
 };
 
 }  // namespace meshfront

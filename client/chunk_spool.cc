@@ -46,6 +46,20 @@ absl::Status ChunkSpool::Append(absl::Span<const SpooledVertex> vertices, absl::
   return triangles_->Append(BytesOf(triangles));
 }
 
+void ChunkSpool::AppendAttributes(absl::Span<const float> values, absl::Span<const CornerWedges> corners,
+                                  absl::Span<const uint32_t> groups) {
+  attributes_.values.insert(attributes_.values.end(), values.begin(), values.end());
+  attributes_.corners.insert(attributes_.corners.end(), corners.begin(), corners.end());
+  attributes_.groups.insert(attributes_.groups.end(), groups.begin(), groups.end());
+}
+
+absl::StatusOr<TriangleMesh> ChunkSpool::LoadWithAttributes(const std::vector<AttributeChannel>& channels) {
+  MESHFRONT_ASSIGN_OR_RETURN(TriangleMesh mesh, Load());
+  mesh.attributes = std::exchange(attributes_, {});
+  if (!mesh.attributes.corners.empty()) mesh.attributes.channels = channels;
+  return mesh;
+}
+
 absl::Status ChunkSpool::Finish() {
   MESHFRONT_RETURN_IF_ERROR(vertices_->Flush());
   return triangles_->Flush();

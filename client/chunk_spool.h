@@ -30,6 +30,9 @@ class ChunkSpool {
   static absl::StatusOr<ChunkSpool> Create(const std::string& folder);
 
   absl::Status Append(absl::Span<const SpooledVertex> vertices, absl::Span<const Triangle> triangles);
+  // Attributes are held in memory, as the files that hold them are put together there.
+  void AppendAttributes(absl::Span<const float> values, absl::Span<const CornerWedges> corners,
+                        absl::Span<const uint32_t> groups);
   // Between the last Append and the first of the calls below.
   absl::Status Finish();
 
@@ -41,8 +44,9 @@ class ChunkSpool {
   absl::Status ForEachVertexBlock(const std::function<absl::Status(absl::Span<const SpooledVertex>)>& body) const;
   absl::Status ForEachTriangleBlock(const std::function<absl::Status(absl::Span<const Triangle>)>& body) const;
   absl::Status ReadVertices(uint64_t first, absl::Span<SpooledVertex> vertices) const;
-  // The whole mesh in memory, without normals: for a picture.
+  // The whole mesh in memory, without normals: for a picture. With attributes, once, of these channels.
   absl::StatusOr<TriangleMesh> Load() const;
+  absl::StatusOr<TriangleMesh> LoadWithAttributes(const std::vector<AttributeChannel>& channels);
 
  private:
   ChunkSpool(std::unique_ptr<BufferedFile> vertices, std::unique_ptr<BufferedFile> triangles);
@@ -50,6 +54,7 @@ class ChunkSpool {
   std::unique_ptr<BufferedFile> vertices_, triangles_;
   uint64_t vertex_count_ = 0, triangle_count_ = 0;
   Box3 bounds_;
+  MeshAttributes attributes_;
 };
 
 // Positions of spooled vertices by id, through a cache of fixed size (2.5 MB): triangles name vertices that came shortly before.

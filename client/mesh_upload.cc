@@ -53,6 +53,13 @@ v1::Header HeaderFor(const TriangleMesh& mesh) {
     arrays->set_triangle_count(mesh.triangles.size());
     arrays->set_scalar_type(v1::SCALAR_TYPE_FLOAT64);
     arrays->set_has_normals(has_normals);
+    for (const AttributeChannel& channel : mesh.attributes.channels) {
+      v1::AttributeChannel* announced = arrays->add_attributes();
+      announced->set_name(channel.name);
+      announced->set_components(channel.components);
+    }
+    arrays->set_wedge_count(mesh.attributes.wedge_count());
+    arrays->set_has_groups(!mesh.attributes.groups.empty());
   }
   return header;
 }
@@ -65,6 +72,11 @@ bool UploadArrays(const TriangleMesh& mesh, const std::vector<uint32_t>& region_
   const bool has_normals = !mesh.normals.empty() && mesh.normals.size() == mesh.positions.size();
   if (has_normals && !UploadArray(v1::ARRAY_NORMALS, BytesOf(mesh.normals), write, &digest)) return false;
   if (!UploadArray(v1::ARRAY_REGION_FACES, BytesOf(region_faces), write, &digest)) return false;
+  const MeshAttributes& a = mesh.attributes;
+  if (!UploadArray(v1::ARRAY_WEDGE_VALUES, BytesOf(a.values), write, &digest) ||
+      !UploadArray(v1::ARRAY_CORNER_WEDGES, BytesOf(a.corners), write, &digest) ||
+      !UploadArray(v1::ARRAY_GROUPS, BytesOf(a.groups), write, &digest))
+    return false;
   end->set_sha256(digest.Finish());
   return true;
 }

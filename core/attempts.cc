@@ -92,7 +92,8 @@ FrontOptions FrontOptionsOf(const Preparation& p, bool passes_sharp_edges) {
           .sweep = LongestAxis(p.surface->mesh()),
           .max_error = o.sizing == Sizing::kError ? p.parameter : std::numeric_limits<double>::infinity(),
           .max_insertions = p.parameters.target_triangles > 0 ? kInsertionsForCount * p.predicted_triangles
-                                                              : std::numeric_limits<double>::infinity()};
+                                                              : std::numeric_limits<double>::infinity(),
+          .wedges = !p.attributes.empty()};
 }
 
 // Of an input that was no surface: what repair made of it may be as thin and as folded as no scan is.

@@ -4,6 +4,9 @@
 #include "core/own_faces.h"
 
 #include <algorithm>
+#include <array>
+#include <map>
+#include <tuple>
 #include <utility>
 
 #include "core/base/status_macros.h"
@@ -25,20 +28,42 @@ struct Labelled {
   std::vector<Triangle> triangles;
   std::vector<TriangleKind> kinds;
   std::vector<uint32_t> component;  // of each triangle
+  // Where the input has attributes, likewise: the wedges of its corners, and the face that it lies on.
+  std::vector<std::array<OutputWedge, 3>> wedges;
+  std::vector<uint32_t> faces;
 };
+
+// Wedges are numbered on from piece to piece.
+void AddWedges(const HeldPiece& piece, std::vector<OutputWedge>& all, Labelled& made) {
+  all.insert(all.end(), piece.wedges.begin(), piece.wedges.end());
+  for (const CornerWedges& c : piece.corners) made.wedges.push_back({all[c[0]], all[c[1]], all[c[2]]});
+  made.faces.insert(made.faces.end(), piece.faces.begin(), piece.faces.end());
+}
 
 Labelled LabelPieces(const std::vector<HeldPiece>& pieces) {
   Labelled made;
+  std::vector<OutputWedge> all;
   for (const HeldPiece& piece : pieces) {
     made.vertices.insert(made.vertices.end(), piece.vertices.begin(), piece.vertices.end());
     made.triangles.insert(made.triangles.end(), piece.triangles.begin(), piece.triangles.end());
     made.kinds.insert(made.kinds.end(), piece.kinds.begin(), piece.kinds.end());
+    AddWedges(piece, all, made);
   }
   for (const Triangle& t : made.triangles) made.component.push_back(made.vertices[t[0].index()].sheet);
   return made;
 }
 
-Labelled LabelSurface(const MeshSurface& surface) {
+// Each corner of a face has a wedge of its own, so that seams stay seams.
+void AddWedgesOfCorners(const std::vector<Vec3>& normals, Labelled& own) {
+  for (uint32_t f = 0; f < own.triangles.size(); ++f) {
+    const Triangle& t = own.triangles[f];
+    own.wedges.push_back({OutputWedge{f, 0, 0, normals[t[0].index()]}, OutputWedge{f, 1, 0, normals[t[1].index()]},
+                          OutputWedge{f, 0, 1, normals[t[2].index()]}});
+    own.faces.push_back(f);
+  }
+}
+
+Labelled LabelSurface(const MeshSurface& surface, bool has_wedges) {
   const TriangleMesh mesh = surface.MeshBeforeCut();
   const std::vector<Vec3> normals = ComputeVertexNormals(mesh);
   Labelled own;
@@ -47,6 +72,7 @@ Labelled LabelSurface(const MeshSurface& surface) {
   own.kinds.assign(own.triangles.size(), TriangleKind::kClosing);
   for (uint32_t f = 0; f < own.triangles.size(); ++f)
     own.component.push_back(surface.WholeComponentOf(surface.ComponentOf(FaceId(f))));
+  if (has_wedges) AddWedgesOfCorners(normals, own);
   return own;
 }
 
@@ -68,6 +94,8 @@ class Gatherer {
     to.triangles.push_back(t);
     to.kinds.push_back(from_.kinds[triangle]);
     to.component.push_back(from_.component[triangle]);
+    if (!from_.wedges.empty()) to.wedges.push_back(from_.wedges[triangle]);
+    if (!from_.faces.empty()) to.faces.push_back(from_.faces[triangle]);
   }
 
  private:
@@ -104,7 +132,7 @@ struct Corners {
 class Exchange {
  public:
   Exchange(const std::vector<HeldPiece>& pieces, const MeshSurface& surface)
-      : surface_(surface), made_(LabelPieces(pieces)), own_(LabelSurface(surface)) {
+      : surface_(surface), made_(LabelPieces(pieces)), own_(LabelSurface(surface, !made_.faces.empty())) {
     for (const uint32_t c : own_.component) is_own_.resize(std::max<size_t>(is_own_.size(), c + 1));
   }
 
@@ -165,7 +193,11 @@ class Exchange {
     PartlyOwn result;
     std::vector<VertexId> all;
     for (uint32_t v = 0; v < mixed_.vertices.size(); ++v) all.push_back(VertexId(v));
-    const MeshPiece whole{mixed_.vertices, mixed_.triangles, all, 0, mixed_.kinds};
+    MeshPiece whole{mixed_.vertices, mixed_.triangles, all, 0, mixed_.kinds};
+    std::vector<OutputWedge> wedges;
+    std::vector<CornerWedges> corners;
+    NumberWedges(wedges, corners);
+    whole.wedges = wedges, whole.corners = corners, whole.faces = mixed_.faces;
     result.pieces.emplace_back(whole);
     result.topology = MeasureTopology(MeshOf(mixed_));
     QualityAccumulator quality;
@@ -178,6 +210,20 @@ class Exchange {
     result.quality = quality.Report();
     result.components = std::count(is_own_.begin(), is_own_.end(), true);
     return result;
+  }
+
+  // Corners with the same wedge share it again.
+  void NumberWedges(std::vector<OutputWedge>& wedges, std::vector<CornerWedges>& corners) const {
+    std::map<std::tuple<uint32_t, double, double>, uint32_t> numbers;
+    for (const auto& of_triangle : mixed_.wedges) {
+      CornerWedges& c = corners.emplace_back();
+      for (int i = 0; i < 3; ++i) {
+        const OutputWedge& w = of_triangle[i];
+        const auto [at, is_new] = numbers.try_emplace({w.face, w.u, w.v}, static_cast<uint32_t>(wedges.size()));
+        if (is_new) wedges.push_back(w);
+        c[i] = at->second;
+      }
+    }
   }
 
   static Corners CornersOf(const Labelled& of, uint32_t triangle) {

@@ -16,6 +16,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/exceptions.h"
 #include "core/base/status_macros.h"
+#include "core/features/attribute_seams.h"
 #include "core/features/boundary.h"
 #include "core/features/creases.h"
 #include "core/features/seams.h"
@@ -109,16 +110,21 @@ absl::StatusOr<std::vector<bool>> MendAndFindCreases(TriangleMesh& mesh, FaceAdj
 absl::StatusOr<std::unique_ptr<MeshSurface>> MakeSurface(TriangleMesh mesh, std::optional<FaceAdjacency> adjacency,
                                                          const RemeshOptions& options, Preparation& p,
                                                          const Context& context) {
-  if (!options.crease_angle) return MeshSurface::Create(std::move(mesh), std::move(adjacency), context);
+  if (!options.crease_angle && mesh.attributes.empty())
+    return MeshSurface::Create(std::move(mesh), std::move(adjacency), context);
   if (!adjacency) adjacency = FindOrientedAdjacency(mesh);
   if (!adjacency) return absl::InvalidArgumentError("the mesh is not an oriented manifold; repair it first");
   // Around a region nothing may move, and slivers on its border would.
   const double reach = p.region ? 0 : SliverReach(options, p.input.diagonal * p.scale, p.scale);
   const size_t repairs = p.input.repairs.size();
-  MESHFRONT_ASSIGN_OR_RETURN(std::vector<bool> creases,
-                             MendAndFindCreases(mesh, *adjacency, options, reach, p.input.repairs, context));
+  std::vector<bool> creases(3 * mesh.triangles.size());
+  if (options.crease_angle) {
+    MESHFRONT_ASSIGN_OR_RETURN(creases, MendAndFindCreases(mesh, *adjacency, options, reach, p.input.repairs, context));
+  }
+  if (!mesh.attributes.empty()) p.has_flat_normals = MarkAttributeSeams(mesh, *adjacency, creases);
   if (!p.input.repairs.empty()) MarkSeams(mesh, *adjacency, creases);
   if (p.input.repairs.size() > repairs) p.input.topology = MeasureTopology(mesh, *adjacency);
+  p.attributes = std::exchange(mesh.attributes, {});
   return MeshSurface::Create(std::move(mesh), *std::move(adjacency), creases, context);
 }
 
@@ -322,6 +328,9 @@ absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {
   p.parameters.options = options;
   Stopwatch watch;
   p.input.is_point_set = problem.mesh.IsPointSet();
+  if (!options.attributes) problem.mesh.attributes = {};
+  MESHFRONT_RETURN_IF_ERROR(ValidateAttributes(problem.mesh.attributes, problem.mesh.triangles.size()));
+  if (problem.region) p.drops_attributes = !std::exchange(problem.mesh.attributes, {}).empty();
   context.Report({Stage::kRepair});
   std::optional<FaceAdjacency> adjacency;  // where the repair has it
   MESHFRONT_RETURN_IF_ERROR(MendAndChoose(problem, p, adjacency, context));

@@ -22,6 +22,9 @@ struct Preparation {
   std::unique_ptr<RegionParts> region;     // none: the surface is that of all
   std::optional<RegionReport> everything;  // where a region was asked for that is all of the mesh
   std::unique_ptr<MeshSurface> surface;    // of what is to be meshed
+  MeshAttributes attributes;               // of the surface's faces; none with a region
+  bool has_flat_normals = false;           // the attribute's are those of flat faces
+  bool drops_attributes = false;           // there were some, and a region
   std::unique_ptr<FieldBuilder> builder;
   std::optional<GuidanceField> field;
   std::vector<OrientedLoop> loops;

@@ -32,14 +32,26 @@ double SecondsSince(Clock::time_point start) { return std::chrono::duration<doub
 // Hands pieces on, in the scale of the input, and notes when the first came.
 class OutgoingSink : public MeshSink {
  public:
-  OutgoingSink(MeshSink& next, double scale, Clock::time_point start) : next_(next), scale_(scale), start_(start) {}
+  // The preparation's attributes outlive the sink.
+  OutgoingSink(MeshSink& next, const Preparation& p, Clock::time_point start)
+      : next_(next), scale_(p.scale), start_(start), attributes_(p.attributes) {
+    if (!p.attributes.channels.empty()) interpolator_.emplace(p.attributes, p.has_flat_normals);
+  }
 
   absl::Status Append(const MeshPiece& piece) override {
     NoteChunk();
-    if (scale_ == 1) return next_.Append(piece);
-    std::vector<OutputVertex> vertices(piece.vertices.begin(), piece.vertices.end());
-    for (OutputVertex& v : vertices) v.position = v.position / scale_;
-    return next_.Append({vertices, piece.triangles, piece.finalised, piece.open_front_edges, piece.kinds});
+    MeshPiece outgoing = piece;
+    std::vector<OutputVertex> vertices;
+    if (scale_ != 1) {
+      vertices.assign(piece.vertices.begin(), piece.vertices.end());
+      for (OutputVertex& v : vertices) v.position = v.position / scale_;
+      outgoing.vertices = vertices;
+    }
+    FindValues(piece);
+    outgoing.wedge_values = values_;
+    outgoing.groups = groups_;
+    if (!interpolator_) outgoing.wedges = {}, outgoing.corners = {};
+    return next_.Append(outgoing);
   }
   void NoteChunk() {
     if (first_chunk_ == 0) first_chunk_ = SecondsSince(start_);
@@ -47,9 +59,23 @@ class OutgoingSink : public MeshSink {
   double first_chunk() const { return first_chunk_; }
 
  private:
+  void FindValues(const MeshPiece& piece) {
+    values_.clear(), groups_.clear();
+    for (const OutputWedge& w : piece.wedges) {
+      if (interpolator_) interpolator_->Append(w, values_);
+    }
+    for (const uint32_t f : piece.faces) {
+      if (!attributes_.groups.empty()) groups_.push_back(attributes_.groups[f]);
+    }
+  }
+
   MeshSink& next_;
   const double scale_;
   const Clock::time_point start_;
+  const MeshAttributes& attributes_;
+  std::optional<AttributeInterpolator> interpolator_;
+  std::vector<float> values_;     // of the piece at hand
+  std::vector<uint32_t> groups_;  // likewise
   double first_chunk_ = 0;
 };
 
@@ -154,6 +180,8 @@ void WarnOfDeviations(const FrontReport& front, double scale, Report& report) {
 }
 
 void ReportRegion(Preparation& p, const FrontReport& front, Report& report) {
+  if (p.drops_attributes)
+    report.warnings.push_back("attributes are dropped where a region is remeshed, also outside of it");
   if (!p.region) {
     report.region = std::move(p.everything);
     if (report.region) report.region->new_triangles = front.triangles;
@@ -198,7 +226,7 @@ absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& co
   const std::vector<uint32_t> border = p.region ? BorderOf(*p.region, *p.surface) : std::vector<uint32_t>();
   std::optional<RegionSink> joined;
   if (p.region) joined.emplace(sink, border, *p.region);
-  OutgoingSink outgoing(joined ? *joined : sink, p.scale, start);
+  OutgoingSink outgoing(joined ? *joined : sink, p, start);
   const auto predicted = static_cast<uint64_t>(std::min(p.predicted_triangles, 1e18));
   if (joined) {
     if (!p.region->patch_only) outgoing.NoteChunk();

@@ -50,6 +50,8 @@ struct RemeshOptions {
   bool flips = true;   // edge flips behind the front
   bool smooth = true;  // guarded smoothing and optimisation behind the front
   bool fit = true;     // vertices moved along the normal to fit the surface between them
+  // Carry the mesh's attributes over, and cut the surface along their seams (features/attribute_seams.h).
+  bool attributes = true;
   bool repair = true;  // mend the input first, each change reported; false: refuse what would need it
 };
 // InvalidArgument naming the field, the value and the rule, e.g. "options.eta is 2.5; it must be in (1, 2)".

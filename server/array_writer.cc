@@ -78,8 +78,18 @@ ArrayWriter ArrayWriter::ForTriangles(std::vector<Triangle>* out, uint64_t count
                      [out, count](uint64_t offset, absl::string_view data) { CopyBytes(*out, count, offset, data); });
 }
 
+ArrayWriter ArrayWriter::ForFloats(v1::Array array, std::vector<float>* out, uint64_t count) {
+  return ArrayWriter(array, count * 4, {4, 4, [out] { return out->capacity(); }},
+                     [out, count](uint64_t offset, absl::string_view data) { CopyBytes(*out, count, offset, data); });
+}
+
 ArrayWriter ArrayWriter::ForNumbers(v1::Array array, std::vector<uint32_t>* out, uint64_t count) {
   return ArrayWriter(array, count * 4, {4, 4, [out] { return out->capacity(); }},
+                     [out, count](uint64_t offset, absl::string_view data) { CopyBytes(*out, count, offset, data); });
+}
+
+ArrayWriter ArrayWriter::ForTriples(v1::Array array, std::vector<CornerWedges>* out, uint64_t count) {
+  return ArrayWriter(array, count * 12, {12, sizeof(CornerWedges), [out] { return out->capacity(); }},
                      [out, count](uint64_t offset, absl::string_view data) { CopyBytes(*out, count, offset, data); });
 }
 

@@ -19,7 +19,10 @@ class ArrayWriter {
   // Three doubles (or floats, widened) an element. The vector outlives the writer, as in the others.
   static ArrayWriter ForPoints(v1::Array array, std::vector<Vec3>* out, uint64_t count, v1::ScalarType scalar_type);
   static ArrayWriter ForTriangles(std::vector<Triangle>* out, uint64_t count);
+  // Numbers of four bytes, or triples of them.
+  static ArrayWriter ForFloats(v1::Array array, std::vector<float>* out, uint64_t count);
   static ArrayWriter ForNumbers(v1::Array array, std::vector<uint32_t>* out, uint64_t count);
+  static ArrayWriter ForTriples(v1::Array array, std::vector<CornerWedges>* out, uint64_t count);
   static ArrayWriter ForFile(std::vector<uint8_t>* out, uint64_t bytes);
   // Counted and checked, but not kept.
   static ArrayWriter ForNothing(v1::Array array, uint64_t bytes);

@@ -42,7 +42,8 @@ void ChunkBuilder::Begin() {
 }
 
 size_t ChunkBuilder::Bytes() const {
-  return chunk_.positions().size() + chunk_.normals().size() + chunk_.indices().size() + chunk_.finalised().size();
+  return chunk_.positions().size() + chunk_.normals().size() + chunk_.indices().size() + chunk_.finalised().size() +
+         chunk_.wedge_values().size() + chunk_.corner_wedges().size() + chunk_.groups().size();
 }
 
 void ChunkBuilder::AddVertex(const OutputVertex& vertex) {
@@ -52,15 +53,30 @@ void ChunkBuilder::AddVertex(const OutputVertex& vertex) {
   ++vertices_;
 }
 
-// All vertices of a piece go before its triangles, so a vertex precedes its first triangle wherever the piece is cut.
+absl::Status ChunkBuilder::AddWedges(const MeshPiece& piece) {
+  if (piece.wedges.empty()) return absl::OkStatus();
+  const size_t stride = piece.wedge_values.size() / piece.wedges.size();
+  for (size_t i = 0; i < piece.wedges.size(); ++i) {
+    for (const float value : piece.wedge_values.subspan(i * stride, stride))
+      AppendRaw(*chunk_.mutable_wedge_values(), value);
+    chunk_.set_wedge_count(chunk_.wedge_count() + 1);
+    if (IsFull()) MESHFRONT_RETURN_IF_ERROR(EmitChunk());
+  }
+  return absl::OkStatus();
+}
+
+// All vertices of a piece, and its wedges, go before its triangles, so a vertex precedes its first triangle wherever the piece is cut.
 absl::Status ChunkBuilder::Add(const MeshPiece& piece) {
   open_front_edges_ = piece.open_front_edges;
   for (const OutputVertex& vertex : piece.vertices) {
     AddVertex(vertex);
     if (IsFull()) MESHFRONT_RETURN_IF_ERROR(EmitChunk());
   }
-  for (const Triangle& triangle : piece.triangles) {
-    AppendRaw(*chunk_.mutable_indices(), triangle);
+  MESHFRONT_RETURN_IF_ERROR(AddWedges(piece));
+  for (size_t i = 0; i < piece.triangles.size(); ++i) {
+    AppendRaw(*chunk_.mutable_indices(), piece.triangles[i]);
+    if (!piece.corners.empty()) AppendRaw(*chunk_.mutable_corner_wedges(), piece.corners[i]);
+    if (!piece.groups.empty()) AppendRaw(*chunk_.mutable_groups(), piece.groups[i]);
     chunk_.set_triangle_count(chunk_.triangle_count() + 1);
     ++triangles_;
     if (IsFull()) MESHFRONT_RETURN_IF_ERROR(EmitChunk());

@@ -35,6 +35,7 @@ class ChunkBuilder {
   bool IsFull() const { return Bytes() >= target_; }
   absl::Status EmitChunk();
   void Begin();
+  absl::Status AddWedges(const MeshPiece& piece);
   void AddVertex(const OutputVertex& vertex);
 
   const bool doubles_;

@@ -102,10 +102,28 @@ absl::Status InputAssembler::AnnounceMesh(const v1::MeshArrays& mesh) {
   arrays_.push_back(ArrayWriter::ForPoints(v1::ARRAY_POSITIONS, &input_.mesh.positions, vertex_count_, scalar));
   arrays_.push_back(ArrayWriter::ForTriangles(&input_.mesh.triangles, mesh.triangle_count()));
   if (mesh.has_normals()) {
-    // The surface has its own normals; those of a file are an attribute, and attributes are not carried over yet.
+    // The surface has its own normals; what is to be carried over comes as an attribute.
     arrays_.push_back(ArrayWriter::ForNothing(v1::ARRAY_NORMALS, vertex_count_ * 3 * ScalarBytes(scalar)));
     input_.mesh.dropped_attributes.push_back("normals");
   }
+  return AnnounceAttributes(mesh);
+}
+
+absl::Status InputAssembler::AnnounceAttributes(const v1::MeshArrays& mesh) {
+  MeshAttributes& attributes = input_.mesh.attributes;
+  const uint64_t triangles = mesh.triangle_count();
+  if (mesh.has_groups()) arrays_.push_back(ArrayWriter::ForNumbers(v1::ARRAY_GROUPS, &attributes.groups, triangles));
+  if (mesh.attributes().empty()) return absl::OkStatus();
+  for (const v1::AttributeChannel& channel : mesh.attributes())
+    attributes.channels.push_back({channel.name(), channel.components()});
+  MESHFRONT_RETURN_IF_ERROR(ValidateChannels(attributes.channels));
+  if (mesh.wedge_count() == 0 || mesh.wedge_count() > 3 * triangles) {
+    return absl::InvalidArgumentError(absl::StrCat("mesh.wedge_count is ", mesh.wedge_count(), "; it must be in [1, ",
+                                                   3 * triangles, "], three a triangle"));
+  }
+  arrays_.push_back(
+      ArrayWriter::ForFloats(v1::ARRAY_WEDGE_VALUES, &attributes.values, mesh.wedge_count() * attributes.Stride()));
+  arrays_.push_back(ArrayWriter::ForTriples(v1::ARRAY_CORNER_WEDGES, &attributes.corners, triangles));
   return absl::OkStatus();
 }
 
@@ -217,6 +235,7 @@ absl::Status InputAssembler::Accept(const v1::EndOfInput& end) {
         absl::StrCat("end.sha256 has ", end.sha256().size(), " bytes; it must have 32, or none"));
   }
   if (!end.sha256().empty() && end.sha256() != sha256_.Finish()) return ChecksumError("end.sha256", {});
+  MESHFRONT_RETURN_IF_ERROR(ValidateAttributes(input_.mesh.attributes, input_.mesh.triangles.size()));
   for (Vec3& normal : input_.mesh.normals) normal = IsFinite(normal) ? Normalized(normal) : Vec3{};
   if (!region_faces_.empty()) input_.region->shape = std::exchange(region_faces_, {});
   state_ = State::kWhole;

@@ -67,6 +67,7 @@ class InputAssembler {
 
   absl::Status AnnounceArrays(uint64_t vertices, uint64_t triangles, v1::ScalarType scalar_type, bool normals);
   absl::Status AnnounceMesh(const v1::MeshArrays& mesh);
+  absl::Status AnnounceAttributes(const v1::MeshArrays& mesh);
   absl::Status AnnouncePoints(const v1::PointSet& points);
   absl::Status AnnounceFile(const v1::WholeFile& file);
   absl::Status AnnounceRegion(const v1::RemeshOptions& options);

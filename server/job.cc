@@ -39,7 +39,9 @@ struct ParsedInput {
 
 uint64_t AllocatedBytes(const TriangleMesh& mesh) {
   return mesh.positions.capacity() * sizeof(Vec3) + mesh.normals.capacity() * sizeof(Vec3) +
-         mesh.triangles.capacity() * sizeof(Triangle);
+         mesh.triangles.capacity() * sizeof(Triangle) + mesh.attributes.values.capacity() * sizeof(float) +
+         mesh.attributes.corners.capacity() * sizeof(CornerWedges) +
+         mesh.attributes.groups.capacity() * sizeof(uint32_t);
 }
 
 // A file's bytes are held already; what it decompresses to and the mesh in it are held beside them, within what is left.
@@ -49,6 +51,10 @@ absl::StatusOr<ParsedInput> ParseFile(const ServiceState& state, PendingBytes::L
   limits.max_decompressed_bytes = state.config.limits.max_input_bytes;
   limits.admit = [&, held = lease.held()](uint64_t bytes) { return lease.Hold(held + bytes); };
   MESHFRONT_ASSIGN_OR_RETURN(ReadResult read, ReadMesh(input.file, input.format, input.file_name, limits));
+  // Whoever sends a file does not know what the attributes in it are called: they come with arrays only.
+  for (const AttributeChannel& channel : read.mesh.attributes.channels)
+    read.mesh.dropped_attributes.push_back(channel.name);
+  read.mesh.attributes = {};
   MESHFRONT_RETURN_IF_ERROR(lease.Hold(AllocatedBytes(read.mesh)));  // the bytes of the file go with this call's end
   return ParsedInput{std::move(read.mesh), std::nullopt, std::move(read.warnings), {}};
 }

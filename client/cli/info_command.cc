@@ -27,8 +27,9 @@ void PrintContents(const std::string& path, const ReadResult& read) {
     std::cout << absl::StrFormat("box         %s to %s, diagonal %g\n", PlaceText(box.min), PlaceText(box.max),
                                  box.Diagonal());
   }
-  if (!mesh.dropped_attributes.empty())
-    std::cout << "attributes  " << absl::StrJoin(mesh.dropped_attributes, ", ") << "\n";
+  std::vector<std::string> attributes = mesh.dropped_attributes;
+  for (const AttributeChannel& channel : mesh.attributes.channels) attributes.push_back(channel.name);
+  if (!attributes.empty()) std::cout << "attributes  " << absl::StrJoin(attributes, ", ") << "\n";
 }
 
 void PrintTopology(const TopologyReport& t) {

@@ -48,7 +48,7 @@ void AddMeshingFlags(CLI::App* command, MeshingFlags* flags) {
   command->add_option("--crease-angle", flags->crease_angle,
                       "edges that turn by more degrees than this stay sharp, or off: none does [40]");
   command->add_option("--attributes", flags->attributes,
-                      "keep, drop: UV, colours, materials, … (not yet: dropped with a warning)");
+                      "keep, drop: UV, normals, colours, materials, …; their seams become feature curves [keep]");
   command->add_option("--surface", flags->surface, "auto, mesh; mls and imls: not yet [auto]");
   command->add_option("--features", flags->features, "extra feature polylines (not yet)");
   command->add_option("--region", flags->region,

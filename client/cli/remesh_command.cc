@@ -119,11 +119,29 @@ class RemeshCommand {
     input_ = std::move(read->mesh);
     warnings_ = std::move(read->warnings);
     figures_.read = absl::ToDoubleSeconds(absl::Now() - begin);
-    if (arguments_.meshing.attributes != "drop" && !input_.dropped_attributes.empty()) {
-      warnings_.push_back(
-          absl::StrCat("attributes are not carried over yet: ", absl::StrJoin(input_.dropped_attributes, ", ")));
-    }
+    asset_ = std::move(read->asset);
+    ChooseAttributes();
     return ExitCode::kDone;
+  }
+
+  // What OUT has no place for, or a region would lose, is not sent, so that the surface is not cut along its seams.
+  void ChooseAttributes() {
+    const bool has_place = HoldsAttributes(out_format_) && !arguments_.meshing.region;
+    const bool wanted = arguments_.meshing.attributes != "drop";
+    std::vector<std::string> left_out = input_.dropped_attributes;
+    if (wanted && !has_place) {
+      for (const AttributeChannel& c : input_.attributes.channels) left_out.push_back(c.name);
+      if (!input_.attributes.groups.empty()) left_out.push_back("materials");
+    }
+    if (!wanted || !has_place) {
+      input_.attributes = {};
+      asset_ = {};
+    }
+    channels_ = input_.attributes.channels;
+    const bool is_gltf = out_format_ == Format::kGlb || out_format_ == Format::kGltf;
+    is_asset_ = !input_.attributes.empty() || (is_gltf && asset_.gltf != nullptr);
+    if (wanted && !left_out.empty())
+      warnings_.push_back(absl::StrCat("not carried over: ", absl::StrJoin(left_out, ", ")));
   }
 
   ExitCode UseInput() {
@@ -208,7 +226,7 @@ class RemeshCommand {
 
   absl::Status TryWriteResult() {
     MESHFRONT_ASSIGN_OR_RETURN(const std::unique_ptr<OutputFile> out, OutputFile::Create(arguments_.out));
-    MESHFRONT_RETURN_IF_ERROR(WriteSpool(*spool_, out_format_, out->sink()));
+    MESHFRONT_RETURN_IF_ERROR(is_asset_ ? WriteAsset(out->sink()) : WriteSpool(*spool_, out_format_, out->sink()));
     if (interruption_.requested()) return absl::CancelledError("cancelled");
     return out->Commit();
   }
@@ -219,6 +237,16 @@ class RemeshCommand {
     for (const uint32_t face : removed_) absl::StrAppend(&lines, face, "\n");
     const absl::Status written = WriteWholeFile(arguments_.removed, lines);
     return written.ok() ? ExitCode::kDone : Fail(ExitCode::kOutput, written);
+  }
+
+  absl::Status WriteAsset(ByteSink& file) {
+    MESHFRONT_ASSIGN_OR_RETURN(const TriangleMesh mesh, spool_->LoadWithAttributes(channels_));
+    std::vector<std::string> left_out;
+    const absl::StatusOr<std::string> bytes = FormatAsset(mesh, out_format_, asset_, left_out);
+    if (!bytes.ok())
+      return absl::InternalError(absl::StrCat(file.name(), " can't be written: ", bytes.status().message()));
+    if (!left_out.empty()) PrintWarnings({absl::StrCat("not carried over: ", absl::StrJoin(left_out, ", "))});
+    return file.Append(*bytes);
   }
 
   ExitCode WritePicture() {
@@ -271,6 +299,9 @@ class RemeshCommand {
   double timeout_ = 0;
   Format in_format_ = Format::kUnknown, out_format_ = Format::kUnknown;
   TriangleMesh input_;
+  MeshAsset asset_;                         // what OUT has beside the mesh
+  std::vector<AttributeChannel> channels_;  // of the result
+  bool is_asset_ = false;                   // OUT has attributes, or something beside the mesh
   std::vector<std::string> warnings_;
   std::vector<uint32_t> removed_;
   std::optional<BeforeAfterPicture> picture_;

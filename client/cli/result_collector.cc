@@ -36,6 +36,7 @@ absl::Status ResultCollector::OnChunk(const v1::Chunk& chunk, const ChunkDecoder
     last_triangles_ = now;
   }
   ++chunks_;
+  spool_.AppendAttributes(decoded.wedge_values(), decoded.corner_wedges(), decoded.groups());
   local_error_ = spool_.Append(decoded.vertices(), decoded.triangles());
   MESHFRONT_RETURN_IF_ERROR(local_error_);
   if (trace_ != nullptr) local_error_ = WriteTraceLine(chunk, decoded, now);

@@ -103,4 +103,15 @@ inline constexpr double kAroundCurve = 6;
 inline constexpr size_t kMaxFacesAroundCurve = 20000, kMaxFacesAroundCurves = 1000000;  // of one, and of all
 inline constexpr uint32_t kFacesBetweenChecks = 1024;
 
+// Values of attributes on the two sides of an edge differ by more than this part of their range, colours by half a step of 8 bits: what
+// exporters round away makes no seam.
+inline constexpr float kSeamPerRange = 1e-4f, kColourSeam = 0.5f / 255;
+// Edges at a vertex that differ at this end only: a seam runs out, or two do; more are the pole of a globe.
+inline constexpr uint8_t kMostEndsOfSeams = 2;
+// Faces that hang together and are unfolded the same way; fewer are flaws of the unfolding.
+inline constexpr uint32_t kLeastMirroredFaces = 16;
+inline constexpr double kHardNormalCosine = 0.9961946981;  // 5°
+// Share of the edges, creases left out, at which normals break where they are those of flat faces.
+inline constexpr double kFlatShare = 0.2;
+
 }  // namespace meshfront

@@ -36,6 +36,7 @@ struct FrontOptions {
   // added for it, where finite only to those far beyond it.
   double max_error = std::numeric_limits<double>::infinity();
   double max_insertions = std::numeric_limits<double>::infinity();
+  bool wedges = false;  // pieces say where on the surface their corners were made (MeshPiece::wedges)
 };
 
 struct FrontReport {

@@ -43,6 +43,8 @@ class Link {
   uint32_t code_ = kRimCode;
 };
 
+inline constexpr uint32_t kNoWedge = 0xffffffffu;
+
 // A vertex that some unsettled triangle or front edge uses. It lies at `position`, which is `source.position` until the fit
 // moves it along the normal.
 struct WindowVertex {
@@ -53,6 +55,7 @@ struct WindowVertex {
   FrontEdgeId first_corner;      // a front edge that starts here; the others follow by next_at_vertex
   Link half_edge = Link::Rim();  // an outgoing half-edge of some triangle
   VertexId emitted;              // its id in the output, once it was sent: from then on it may not move
+  uint32_t wedge = kNoWedge;     // its number among the output's wedges, once it was sent
   uint32_t joint = kNoJoint;     // which vertex of the output it shares with vertices of other fronts
   uint32_t triangles = 0;        // unsettled ones that use it
   uint32_t origin = 0;           // which loop or seed its front came from (counts the components)

@@ -667,6 +667,19 @@ VertexId SettlingWindow::NameOf(const WindowVertex& v, std::vector<OutputVertex>
   return name;
 }
 
+CornerWedges SettlingWindow::WedgesOf(const WindowTriangle& t, std::vector<OutputWedge>& wedges) {
+  CornerWedges out;
+  for (int i = 0; i < 3; ++i) {
+    WindowVertex& v = fronts_.at(t.corners[i]);
+    if (v.wedge == kNoWedge) {
+      v.wedge = next_wedge_++;
+      wedges.push_back({v.source.patch, v.source.u, v.source.v, v.source.normal});
+    }
+    out[i] = v.wedge;
+  }
+  return out;
+}
+
 absl::Status SettlingWindow::Emit(bool everything) {
   std::vector<WindowTriangleId> leaving;
   for (uint32_t i = 0; i < fronts_.triangle_slots(); ++i) {
@@ -677,6 +690,9 @@ absl::Status SettlingWindow::Emit(bool everything) {
   std::vector<OutputVertex> vertices;
   std::vector<Triangle> triangles;
   std::vector<TriangleKind> kinds;
+  std::vector<OutputWedge> wedges;
+  std::vector<CornerWedges> corners;
+  std::vector<uint32_t> faces;
   for (const WindowTriangleId id : leaving) {
     const WindowTriangle& t = fronts_.at(id);
     Triangle out;
@@ -689,6 +705,10 @@ absl::Status SettlingWindow::Emit(bool everything) {
     }
     triangles.push_back(out);
     kinds.push_back(t.kind);
+    if (options_.wedges) {
+      corners.push_back(WedgesOf(t, wedges));
+      faces.push_back(fronts_.at(t.corners[0]).source.patch);
+    }
     if (std::isfinite(options_.max_error)) {
       // What is within that is not told apart where a count is wanted.
       if (!IsBeyondMended()) counts_.largest_deviation = std::max(counts_.largest_deviation, refinement_.bound());
@@ -707,7 +727,8 @@ absl::Status SettlingWindow::Emit(bool everything) {
   counts_.vertices += vertices.size();
   counts_.triangles += triangles.size();
   const std::vector<VertexId> finalised = fronts_.Settle(leaving);
-  return sink_.Append({vertices, triangles, finalised, fronts_.front_edge_count(), kinds});
+  return sink_.Append(
+      {vertices, triangles, finalised, fronts_.front_edge_count(), kinds, wedges, corners, faces, {}, {}});
 }
 
 }  // namespace meshfront

@@ -26,6 +26,7 @@ struct SettlingOptions {
   double min_edge = 0;  // … unless their edges become shorter than that, …
   // … or more vertices than so many, the worst first. Where that is finite only those far beyond max_error are: they make the maximum.
   double max_insertions = std::numeric_limits<double>::infinity();
+  bool wedges = false;  // pieces say where on the surface their corners were made
 };
 
 // Totals over everything that has left the window.
@@ -116,6 +117,7 @@ class SettlingWindow {
   WindowTrianglePairs AuditUnfitted(WindowTrianglePairs pairs);
   Vec3 WhereTheyMeet(WindowTriangleId s, WindowTriangleId t) const;
   bool Leaves(WindowTriangleId t) const;
+  CornerWedges WedgesOf(const WindowTriangle& t, std::vector<OutputWedge>& wedges);
   VertexId NameOf(const WindowVertex& v, std::vector<OutputVertex>& vertices);
   void KeepMaxError(const Context& context);
   std::vector<WindowTriangleId> DoubtfulTriangles();
@@ -155,7 +157,7 @@ class SettlingWindow {
   std::vector<uint8_t> is_search_due_;  // of every vertex slot: something around it changed
   std::vector<WindowTriangleId> slivers_, beyond_;
   std::vector<Vec3> faults_;
-  uint32_t next_output_ = 0;
+  uint32_t next_output_ = 0, next_wedge_ = 0;
 };
 
 }  // namespace meshfront

@@ -12,6 +12,8 @@
 #include "absl/container/flat_hash_set.h"
 #include "absl/strings/ascii.h"
 #include "core/base/status_macros.h"
+#include "core/io/gltf_asset.h"
+#include "core/io/gltf_attributes.h"
 #include "core/io/gltf_file.h"
 
 namespace meshfront {
@@ -62,6 +64,8 @@ struct Primitive {
   const GltfAccessor* normals = nullptr;  // null unless usable for a point set
   const GltfAccessor* indices = nullptr;  // null: 0, 1, 2, …
   uint64_t mode = kTriangles;
+  JsonValue json;
+  uint64_t number = 0;
   std::string where;
 
   uint64_t corners() const { return indices != nullptr ? indices->count : positions->count; }
@@ -74,7 +78,7 @@ struct Primitive {
 
 class SceneReader {
  public:
-  SceneReader(const Source& source, GltfFile& file) : source_(source), file_(file) {}
+  SceneReader(const Source& source, GltfFile& file) : source_(source), file_(file), attributes_(file) {}
 
   absl::StatusOr<ReadResult> Read() {
     MESHFRONT_RETURN_IF_ERROR(
@@ -93,6 +97,7 @@ class SceneReader {
     MESHFRONT_RETURN_IF_ERROR(
         Walk([this](JsonValue mesh, uint64_t index, const Transform& t) { return AddMesh(mesh, index, t); }));
     if (result_.mesh.normals.size() != result_.mesh.positions.size()) result_.mesh.normals = {};
+    if (!points_only_) attributes_.Finish(result_);
     NoteRest();
     return std::move(result_);
   }
@@ -211,6 +216,7 @@ class SceneReader {
   absl::StatusOr<Primitive> ReadPrimitive(JsonValue json, uint64_t mesh, uint64_t number) {
     Primitive p;
     p.where = Concat("meshes[", mesh, "].primitives[", number, "]");
+    p.json = json, p.number = number;
     const JsonValue mode = json.Find("mode"), attributes = json.Find("attributes"), indices = json.Find("indices");
     p.mode = mode.exists() ? mode.Integer().value_or(99) : uint64_t{kTriangles};
     if (p.mode > kFan) return Refuse(source_, p.where, ".mode is ", mode.Excerpt(), "; it must be 0 to 6");
@@ -256,6 +262,7 @@ class SceneReader {
       const bool is_new = (p.is_surface() ? of_surfaces : of_points).insert(p.positions).second;
       if (is_new) (p.is_surface() ? vertices_ : point_vertices_) += p.positions->count;
       triangles_ += p.triangles();
+      if (p.is_surface() && p.triangles() > 0) attributes_.Count(json, p.positions->count);
       NoteAttributes(json);
       return absl::OkStatus();
     });
@@ -265,7 +272,7 @@ class SceneReader {
   absl::Status AddMesh(JsonValue mesh, uint64_t index, const Transform& transform) {
     shared_.clear();
     return ForEachPrimitive(mesh, index, [&](JsonValue, const Primitive& p) -> absl::Status {
-      if (p.is_surface() == points_only_) return absl::OkStatus();
+      if (p.is_surface() == points_only_) return NotePoints(p);
       TriangleMesh& out = result_.mesh;
       const auto [place, is_new] = shared_.emplace(p.positions, static_cast<uint32_t>(out.positions.size()));
       if (is_new) {
@@ -275,8 +282,19 @@ class SceneReader {
           out.normals.push_back(transform.Normal(p.normals->VectorAt(i)));
         }
       }
-      return p.is_surface() ? AddTriangles(p, place->second, transform.Mirrors()) : absl::OkStatus();
+      if (!p.is_surface() || p.triangles() == 0) return absl::OkStatus();
+      const size_t before = out.triangles.size();
+      MESHFRONT_RETURN_IF_ERROR(AddTriangles(p, place->second, transform.Mirrors()));
+      const int64_t node = path_.empty() ? -1 : static_cast<int64_t>(path_.back().node);
+      attributes_.Add({node, index, p.number, {transform.x, transform.y, transform.z, transform.origin}, {}}, p.json,
+                      {before, place->second, p.positions->count}, out);
+      return absl::OkStatus();
     });
+  }
+
+  absl::Status NotePoints(const Primitive& p) {
+    if (!points_only_ && !p.is_surface()) NoteDropped(result_.mesh, "points and lines");
+    return absl::OkStatus();
   }
 
   absl::Status AddTriangles(const Primitive& p, uint32_t base, bool mirrored) {
@@ -304,12 +322,14 @@ class SceneReader {
       const std::string name = absl::AsciiStrToLower(v.Key());
       if (name != "position" && result_.mesh.dropped_attributes.size() < 64) NoteDropped(result_.mesh, name);
     }
-    if (json.Find("material").exists()) NoteDropped(result_.mesh, "materials");
     if (json.Find("targets").exists()) NoteDropped(result_.mesh, "morph_targets");
   }
 
+  // What was noted, unless it is among the attributes.
   void NoteRest() {
-    if (file_.root().Find("animations").size() > 0) NoteDropped(result_.mesh, "animations");
+    for (const AttributeChannel& c : result_.mesh.attributes.channels)
+      std::erase(result_.mesh.dropped_attributes, absl::AsciiStrToLower(c.name));
+    if (points_only_ && file_.root().Find("animations").size() > 0) NoteDropped(result_.mesh, "animations");
     if (result_.mesh.normals.empty()) return;
     std::vector<std::string>& dropped = result_.mesh.dropped_attributes;
     dropped.erase(std::remove(dropped.begin(), dropped.end(), "normal"), dropped.end());
@@ -317,6 +337,7 @@ class SceneReader {
 
   const Source& source_;
   GltfFile& file_;
+  GltfAttributeReader attributes_;
   ReadResult result_;
   std::vector<Frame> path_;
   std::vector<bool> on_path_;

@@ -117,6 +117,10 @@ Vec3 GltfAccessor::VectorAt(uint64_t i) const {
   return {ComponentAt(at), ComponentAt(at + size), ComponentAt(at + 2 * size)};
 }
 
+double GltfAccessor::NumberAt(uint64_t i, int c) const {
+  return ComponentAt(data + i * stride + c * ComponentBytes(component_type));
+}
+
 uint32_t GltfAccessor::IndexAt(uint64_t i) const {
   const uint8_t* at = data + i * stride;
   if (component_type == kUnsignedByte) return *at;
@@ -168,7 +172,8 @@ absl::Status GltfFile::Open(std::string_view json) {
   if (version.substr(0, 2) != "2.") {
     return Refuse(source_, "asset.version is ", Quote(version), "; only 2.x is known");
   }
-  for (const std::string_view name : {"accessors", "bufferViews", "buffers", "meshes", "nodes", "scenes"}) {
+  for (const std::string_view name : {"accessors", "bufferViews", "buffers", "meshes", "nodes", "scenes", "images",
+                                      "skins", "animations", "materials"}) {
     std::vector<uint32_t>& elements = arrays_[std::string(name)];
     const JsonValue array = root().Find(name);
     elements.reserve(array.is_array() ? array.size() : 0);
@@ -319,6 +324,11 @@ absl::StatusOr<absl::Span<const uint8_t>> GltfFile::ViewBytes(uint64_t index, ui
                   *buffer.Integer(), "], which has ", bytes.size());
   }
   return bytes.subspan(offset, length);
+}
+
+absl::StatusOr<absl::Span<const uint8_t>> GltfFile::View(uint64_t index) {
+  uint64_t stride = 0;
+  return ViewBytes(index, stride);
 }
 
 absl::StatusOr<absl::Span<const uint8_t>> GltfFile::BufferBytes(uint64_t index) {

@@ -28,6 +28,8 @@ struct GltfAccessor {
   Vec3 VectorAt(uint64_t i) const;
   // Of an accessor of unsigned integers.
   uint32_t IndexAt(uint64_t i) const;
+  // Number c < components of element i.
+  double NumberAt(uint64_t i, int c) const;
 
  private:
   double ComponentAt(const uint8_t* at) const;
@@ -48,6 +50,8 @@ class GltfFile {
 
   // Checked once, then kept. `index` is the JSON value that names it, `where` begins the message.
   absl::StatusOr<const GltfAccessor*> Accessor(JsonValue index, const std::string& where);
+  // The bytes of a buffer view.
+  absl::StatusOr<absl::Span<const uint8_t>> View(uint64_t index);
   // Bytes of the file and of all buffers read so far.
   uint64_t total_bytes() const { return source_.bytes.size() + buffer_bytes_; }
 

@@ -75,6 +75,7 @@ void FinishNormals(ReadResult& result) {
 absl::Status FinishReading(const Source& source, ReadResult& result) {
   if (result.mesh.positions.empty()) return Refuse(source, "has no vertices; there is nothing to read");
   if (!result.mesh.triangles.empty()) result.mesh.normals = {};
+  if (result.mesh.triangles.empty()) result.mesh.attributes = {};
   uint64_t odd = 0, first = 0;
   for (uint64_t i = 0; i < result.mesh.positions.size(); ++i) {
     if (!IsFinite(result.mesh.positions[i]) && odd++ == 0) first = i;

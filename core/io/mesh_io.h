@@ -11,6 +11,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,12 +38,22 @@ struct ReadLimits {
   std::function<absl::Status(uint64_t bytes)> admit;
 };
 
+struct GltfAsset;
+
+// What a file holds beside its mesh, to be written again with another mesh of the same groups.
+struct MeshAsset {
+  std::vector<std::string> group_names;         // of materials; "" where one has none
+  std::vector<std::string> material_libraries;  // of an OBJ
+  std::shared_ptr<const GltfAsset> gltf;  // of a glTF: nodes, materials, textures, animations, skins (gltf_asset.h)
+};
+
 struct ReadResult {
   TriangleMesh mesh;                 // at least one vertex; every index in range; coordinates may be infinite or NaN
   Format format = Format::kUnknown;  // what the content turned out to be
   // One sentence each: a wrong ending, a count that lies, coordinates that are not finite, faces of fewer than three corners.
   // Attributes that were left behind are listed in mesh.dropped_attributes.
   std::vector<std::string> warnings;
+  MeshAsset asset;
 };
 
 // Reads one mesh, gzip-compressed or not. The ending proposes a format, the content decides (with a warning when they differ).
@@ -69,5 +80,14 @@ absl::Status WriteMeshFile(const std::string& path, const TriangleMesh& mesh, Fo
 
 // The bytes WriteMeshFile would write.
 absl::StatusOr<std::string> FormatMesh(const TriangleMesh& mesh, Format format);
+
+// Whether files of the format hold attributes of triangle meshes: OBJ, PLY, GLB and glTF.
+bool HoldsAttributes(Format format);
+// A triangle mesh with its attributes and the asset around it. Attributes that the format has no place for are appended to `left_out`,
+// as is what of the asset goes: a glTF can be written again as a glTF only. OBJ: vt, vn, usemtl; PLY: one vertex a wedge, colours in
+// 8 bits, normals, texture coordinates and other numbers in 32; glTF: float32, positions relative to their node.
+// InvalidArgument and InternalError as FormatMesh.
+absl::StatusOr<std::string> FormatAsset(const TriangleMesh& mesh, Format format, const MeshAsset& asset,
+                                        std::vector<std::string>& left_out);
 
 }  // namespace meshfront

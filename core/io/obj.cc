@@ -9,6 +9,7 @@
 #include <cctype>
 
 #include "core/base/status_macros.h"
+#include "core/io/obj_attributes.h"
 #include "core/io/polygon.h"
 #include "core/io/text_scanner.h"
 
@@ -16,15 +17,12 @@ namespace meshfront {
 namespace {
 
 // What the format defines and a triangle mesh has no place for. The second column goes into dropped_attributes.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 14> kLeftOut = {{
-    {"vt", "texcoord_0"},
-    {"usemtl", "materials"},
+constexpr std::array<std::pair<std::string_view, std::string_view>, 11> kLeftOut = {{
     {"l", "lines"},
     {"p", "points"},
     {"curv", "free-form"},
     {"curv2", "free-form"},
     {"surf", "free-form"},
-    {"mtllib", ""},
     {"o", ""},
     {"g", ""},
     {"s", ""},
@@ -49,6 +47,7 @@ class ObjReader {
                           mesh().positions.size(), " vertices");
     }
     FinishNormals();
+    FinishAttributes();
     Warn();
     return std::move(result_);
   }
@@ -69,6 +68,8 @@ class ObjReader {
     if (word == "v") return ReadVertex();
     if (word == "f" || word == "fo") return ReadFace();
     if (word == "vn") return ReadNormal();
+    if (word == "vt") return ReadTexcoord();
+    if (word == "usemtl" || word == "mtllib") return ReadMaterial(word == "usemtl");
     for (const auto& [known, attribute] : kLeftOut) {
       if (word != known) continue;
       if (!attribute.empty()) NoteDropped(mesh(), std::string(attribute));
@@ -114,16 +115,37 @@ class ObjReader {
     Vec3 n;
     MESHFRONT_RETURN_IF_ERROR(ReadTriple("normal", ++normals_, n));
     if (mesh().triangles.empty()) mesh().normals.push_back(n);
+    attributes_.AddNormal(n);
+    return absl::OkStatus();
+  }
+
+  absl::Status ReadTexcoord() {
+    double t[2] = {0, 0};
+    for (double& value : t) {
+      if (scanner_.AtLineEnd()) break;
+      if (!scanner_.ReadDouble(value)) return Fail("a vt has ", Quote(scanner_.Peek()), ", not a number");
+    }
+    attributes_.AddTexcoord(t[0], t[1]);
+    return absl::OkStatus();
+  }
+
+  absl::Status ReadMaterial(bool is_used) {
+    const std::string name(scanner_.RestOfLine());
+    if (is_used)
+      attributes_.UseMaterial(name);
+    else if (result_.asset.material_libraries.size() < 64)
+      result_.asset.material_libraries.push_back(name);
     return absl::OkStatus();
   }
 
   absl::Status ReadFace() {
-    corners_.clear();
+    corners_.clear(), wedges_.clear();
     while (!scanner_.AtLineEnd()) MESHFRONT_RETURN_IF_ERROR(ReadCorner());
     if (corners_.size() < 3)
       ++small_faces_;
     else
       cutter_.Append(corners_, mesh());
+    attributes_.AddFace(corners_, wedges_, mesh());
     has_faces_ = true;
     return absl::OkStatus();
   }
@@ -131,9 +153,10 @@ class ObjReader {
   absl::Status ReadCorner() {
     const std::string_view token = scanner_.Peek();
     int64_t value = 0;
+    std::string_view rest;
     if (!scanner_.ReadLeadingInt(value)) return Fail("a face has the corner ", Quote(token), ", not a vertex number");
     if (!scanner_.AtTokenEnd()) {
-      const std::string_view rest = scanner_.Token();
+      rest = scanner_.Token();
       if (rest[0] != '/' || rest.find_first_not_of("0123456789-/") != std::string_view::npos) {
         return Fail("a face has the corner ", Quote(token), "; it should be v, v/vt, v//vn or v/vt/vn");
       }
@@ -146,14 +169,27 @@ class ObjReader {
     if (index >= Id<void>::kInvalid) return Fail("a face names vertex ", value, "; the most is 4294967294");
     if (index >= largest_.index) largest_ = {index, scanner_.line()};
     corners_.push_back(static_cast<uint32_t>(index));
+    wedges_.push_back(attributes_.WedgeOf(rest));
     return absl::OkStatus();
   }
 
   void FinishNormals() {
-    if (normals_ == 0) return;
     if (!has_faces_ && normals_ == mesh().positions.size()) return;
     mesh().normals = {};
-    NoteDropped(mesh(), "normal");
+  }
+
+  void FinishAttributes() {
+    if (!has_faces_) {
+      if (normals_ > 0 && mesh().normals.empty()) NoteDropped(mesh(), "normal");
+      return;
+    }
+    mesh().attributes = attributes_.Take(mesh().triangles.size());
+    result_.asset.group_names = attributes_.TakeMaterials();
+    if (attributes_.missing() > 0) {
+      result_.warnings.push_back(Concat(attributes_.missing(),
+                                        " kinds of corners have no texture coordinate or normal where ",
+                                        "others have one; theirs are 0"));
+    }
   }
 
   void Warn() {
@@ -169,7 +205,8 @@ class ObjReader {
   TextScanner scanner_;
   ReadResult result_;
   PolygonCutter cutter_;
-  std::vector<uint32_t> corners_;
+  std::vector<uint32_t> corners_, wedges_;
+  ObjAttributes attributes_;
   Largest largest_;
   bool has_faces_ = false;
   uint64_t normals_ = 0, small_faces_ = 0, unknown_ = 0;

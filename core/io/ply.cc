@@ -7,8 +7,10 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <optional>
 
 #include "core/base/status_macros.h"
+#include "core/io/ply_attributes.h"
 #include "core/io/ply_header.h"
 #include "core/io/polygon.h"
 #include "core/io/source.h"
@@ -140,6 +142,7 @@ class BodyReader {
       result_.warnings.push_back(Concat(small_faces_, " faces of fewer than three corners were skipped"));
     }
     FinishNormals();
+    if (attributes_) attributes_->Finish(result_.mesh);
     return std::move(result_);
   }
 
@@ -197,7 +200,7 @@ class BodyReader {
     return absl::OkStatus();
   }
 
-  // Where each property of a vertex goes: 0 to 2 coordinates, 3 to 5 normal, -1 nowhere.
+  // Where each property of a vertex goes: 0 to 2 coordinates, 3 to 5 normal, from 6 on an attribute, -1 nowhere.
   std::vector<int> Slots(const PlyElement& element) {
     constexpr std::string_view kNames[] = {"x", "y", "z", "nx", "ny", "nz"};
     std::vector<int> slots(element.properties.size(), -1);
@@ -213,15 +216,22 @@ class BodyReader {
     auto has = [&](int slot) { return std::find(slots.begin(), slots.end(), slot) != slots.end(); };
     if (!has(0) || !has(1) || !has(2)) return RefuseAtLine(source_, element.line, "element vertex lacks x, y or z");
     has_normals_ = has(3) && has(4) && has(5) && IsPointSet();
+    std::vector<int> slots_of_all = slots;
+    if (!IsPointSet()) attributes_.emplace(element, slots_of_all);
+    const size_t numbers = 6 + (attributes_ ? attributes_->Stride() : 0);
+    return ReadVertexRows(element, slots_of_all, numbers);
+  }
+
+  absl::Status ReadVertexRows(const PlyElement& element, const std::vector<int>& slots, size_t numbers) {
     for (size_t i = 0; i < slots.size(); ++i) {
-      if (slots[i] < 0 || (slots[i] > 2 && !has_normals_)) {
+      if (slots[i] < 0 || (slots[i] > 2 && slots[i] < 6 && !has_normals_)) {
         NoteDropped(result_.mesh, AttributeName(element, element.properties[i].name));
       }
     }
     TriangleMesh& mesh = result_.mesh;
     mesh.positions.reserve(element.count);
     if (has_normals_) mesh.normals.reserve(element.count);
-    double v[6] = {};
+    std::vector<double> v(numbers, 0);
     for (uint64_t row = 0; row < element.count; ++row) {
       for (size_t i = 0; i < slots.size(); ++i) {
         if (slots[i] < 0)
@@ -231,6 +241,7 @@ class BodyReader {
       }
       mesh.positions.push_back({v[0], v[1], v[2]});
       if (has_normals_) mesh.normals.push_back({v[3], v[4], v[5]});
+      if (attributes_) attributes_->AddRow(absl::MakeConstSpan(v).subspan(6));
     }
     return absl::OkStatus();
   }
@@ -352,6 +363,7 @@ class BodyReader {
   Values values_;
   ReadResult result_;
   bool has_normals_ = false;
+  std::optional<PlyAttributes> attributes_;
   uint64_t small_faces_ = 0;
 };
 

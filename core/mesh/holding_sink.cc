@@ -11,6 +11,9 @@ HeldPiece::HeldPiece(const MeshPiece& piece)
       triangles(piece.triangles.begin(), piece.triangles.end()),
       finalised(piece.finalised.begin(), piece.finalised.end()),
       kinds(piece.kinds.begin(), piece.kinds.end()),
+      wedges(piece.wedges.begin(), piece.wedges.end()),
+      corners(piece.corners.begin(), piece.corners.end()),
+      faces(piece.faces.begin(), piece.faces.end()),
       open_front_edges(piece.open_front_edges) {}
 
 absl::Status HoldingSink::Append(const MeshPiece& piece) {

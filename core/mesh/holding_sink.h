@@ -12,12 +12,17 @@ namespace meshfront {
 // A MeshPiece with its own memory.
 struct HeldPiece {
   explicit HeldPiece(const MeshPiece& piece);
-  MeshPiece View() const { return {vertices, triangles, finalised, open_front_edges, kinds}; }
+  MeshPiece View() const {
+    return {vertices, triangles, finalised, open_front_edges, kinds, wedges, corners, faces, {}, {}};
+  }
 
   std::vector<OutputVertex> vertices;
   std::vector<Triangle> triangles;
   std::vector<VertexId> finalised;
   std::vector<TriangleKind> kinds;
+  std::vector<OutputWedge> wedges;
+  std::vector<CornerWedges> corners;
+  std::vector<uint32_t> faces;
   uint64_t open_front_edges = 0;
 };
 

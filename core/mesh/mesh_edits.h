@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "core/mesh/adjacency.h"
 #include "core/mesh/triangle_mesh.h"
@@ -13,6 +14,10 @@ inline void LinkHalfEdges(FaceAdjacency& adjacency, uint32_t h, uint32_t g) {
   if (h != kNoHalfEdge) adjacency.opposite[h / 3][h % 3] = g;
   if (g != kNoHalfEdge) adjacency.opposite[g / 3][g % 3] = h;
 }
+
+// Before half-edge h is collapsed into its target: the corners of the fan around its origin get the values there, each on its side of a
+// seam. `g`: the other half.
+void MoveWedges(TriangleMesh& mesh, uint32_t h, uint32_t g, const std::vector<uint32_t>& fan);
 
 // Flips the edge of half-edge h, which has a face on each side, f with h on it and g; with w and d across it:
 //

@@ -25,6 +25,9 @@ struct OutputVertex {
 // triangles were too far from the surface.
 enum class TriangleKind : uint8_t { kFree, kConnection, kClosing };
 
+// A corner of output triangles on one side of every seam and crease: where on the surface it was made.
+using OutputWedge = WedgeSource;
+
 // A piece of the output. Vertex ids are global and count up from 0 in the order of emission; a vertex comes once and before
 // its first triangle. Valid during the call only.
 struct MeshPiece {
@@ -33,6 +36,13 @@ struct MeshPiece {
   absl::Span<const VertexId> finalised;  // vertices that no later triangle will use
   uint64_t open_front_edges = 0;         // left on the fronts when the piece was settled
   absl::Span<const TriangleKind> kinds;  // one per triangle; as grown, a triangle is (base end, base start, apex)
+  // Where the input has attributes: wedges, numbered like vertices; of each triangle its corners' wedges and a face of the surface that
+  // it lies on. The facade adds the values of the wedges, MeshAttributes::Stride() each, and the triangles' groups.
+  absl::Span<const OutputWedge> wedges;
+  absl::Span<const CornerWedges> corners;
+  absl::Span<const uint32_t> faces;
+  absl::Span<const float> wedge_values;
+  absl::Span<const uint32_t> groups;
 };
 
 // Implemented by: collectors in memory, the server's stream sink. Called by: the settling window, on the job's thread.
@@ -43,7 +53,7 @@ class MeshSink {
   virtual absl::Status Append(const MeshPiece& piece) = 0;
 };
 
-// Keeps everything in memory, as one mesh with normals.
+// Keeps everything in memory, as one mesh with normals and attributes, whose channels are the input's.
 class CollectingSink : public MeshSink {
  public:
   absl::Status Append(const MeshPiece& piece) override;

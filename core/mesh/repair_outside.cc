@@ -134,7 +134,7 @@ uint64_t TurnOutwards(TriangleMesh& mesh, const FaceAdjacency& adjacency) {
   Nesting nesting(mesh, adjacency);
   const uint64_t reversed = nesting.FindReversed();
   for (uint32_t f = 0; reversed > 0 && f < mesh.triangles.size(); ++f) {
-    if (nesting.IsReversed(f)) std::swap(mesh.triangles[f][1], mesh.triangles[f][2]);
+    if (nesting.IsReversed(f)) ReverseFace(mesh, f);
   }
   return reversed;
 }

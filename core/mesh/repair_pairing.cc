@@ -186,7 +186,7 @@ class ManifoldMaker {
     }
     partner_.swap(partner);
     for (uint32_t f = 0; f < reversed.size(); ++f) {
-      if (reversed[f]) std::swap(mesh_.triangles[f][1], mesh_.triangles[f][2]);
+      if (reversed[f]) ReverseFace(mesh_, f);
     }
   }
 

@@ -281,6 +281,7 @@ void SliverMender::Move(uint32_t h) {
   Fan(h, fan);
   const double moved = DeviationOfMoving(h, fan);
   vertex_moved_[to.index()] = std::max(Moved(to), vertex_moved_[Origin(h)] + moved);
+  MoveWedges(mesh_, h, g, fan);
   for (const uint32_t e : fan) mesh_.triangles[e / 3][e % 3] = to;
   for (const uint32_t side : {h, g}) {
     LinkHalfEdges(adjacency_, adjacency_.OppositeOf(NextHalfEdge(side)), adjacency_.OppositeOf(PreviousHalfEdge(side)));

@@ -9,6 +9,7 @@
 #include "core/base/ids.h"
 #include "core/geometry/box.h"
 #include "core/geometry/vec3.h"
+#include "core/mesh/attributes.h"
 
 namespace meshfront {
 
@@ -22,6 +23,7 @@ struct TriangleMesh {
   std::vector<Vec3> normals;  // empty, or one per vertex, unit length (point sets)
   // Empty, or for each triangle the number that it came with, which repairs take along.
   std::vector<uint32_t> face_origins;
+  MeshAttributes attributes;  // empty, or of every triangle
   // Attributes the file held that no array above carries ("texcoord_0", "materials", …): for the warning that they are dropped.
   std::vector<std::string> dropped_attributes;
 
@@ -29,8 +31,12 @@ struct TriangleMesh {
   const Vec3& PositionAt(VertexId v) const { return positions[v.index()]; }
 };
 
-// Triangles whose flag is set go, with their origins; the others keep their order.
+// Changes of the list of triangles, which take their origins and attributes along: face `from` goes to `to`; the last ones go, or those
+// whose flag is set, and the others keep their order; corners 1 and 2 of a face change places.
+void MoveFace(TriangleMesh& mesh, size_t from, size_t to);
+void ResizeFaces(TriangleMesh& mesh, size_t count);
 void DropTriangles(TriangleMesh& mesh, const std::vector<bool>& dropped);
+void ReverseFace(TriangleMesh& mesh, size_t face);
 
 // Box of the vertices that a triangle uses (of all vertices for a point set).
 Box3 BoundingBox(const TriangleMesh& mesh);

@@ -34,7 +34,6 @@ absl::Status RefuseNotYet(const v1::RemeshOptions& o) {
   for (const FieldDescriptor* field : set) {
     if (IsNotYet(field->name())) return NotYet(absl::StrCat("options.", field->name()));
   }
-  if (o.attributes() == v1::ATTRIBUTE_POLICY_KEEP) return NotYet("options.attributes ATTRIBUTE_POLICY_KEEP");
   if (o.surface() == v1::SURFACE_TYPE_MLS) return NotYet("options.surface SURFACE_TYPE_MLS");
   if (o.surface() == v1::SURFACE_TYPE_IMLS) return NotYet("options.surface SURFACE_TYPE_IMLS");
   return absl::OkStatus();
@@ -170,6 +169,7 @@ absl::StatusOr<RemeshOptions> ToCore(const v1::RemeshOptions& proto) {
   if (proto.has_smooth()) o.smooth = proto.smooth();
   if (proto.has_fit()) o.fit = proto.fit();
   if (proto.has_repair()) o.repair = proto.repair();
+  o.attributes = proto.attributes() != v1::ATTRIBUTE_POLICY_DROP;
   return o;
 }
 
@@ -222,7 +222,7 @@ v1::RemeshOptions OptionsToProto(const RemeshOptions& o) {
     proto.mutable_crease()->set_angle_degrees(*o.crease_angle);
   else
     proto.mutable_crease()->set_off(true);
-  proto.set_attributes(v1::ATTRIBUTE_POLICY_DROP);
+  proto.set_attributes(o.attributes ? v1::ATTRIBUTE_POLICY_KEEP : v1::ATTRIBUTE_POLICY_DROP);
   proto.set_blend(o.blend);
   proto.set_surface(v1::SURFACE_TYPE_AUTO);
   proto.set_flips(o.flips);

@@ -57,7 +57,10 @@ uint32_t ChunkCrc32c(const v1::Chunk& chunk) {
   uint32_t crc = Crc32c(chunk.positions());
   crc = Crc32c(chunk.normals(), crc);
   crc = Crc32c(chunk.indices(), crc);
-  return Crc32c(chunk.finalised(), crc);
+  crc = Crc32c(chunk.finalised(), crc);
+  crc = Crc32c(chunk.wedge_values(), crc);
+  crc = Crc32c(chunk.corner_wedges(), crc);
+  return Crc32c(chunk.groups(), crc);
 }
 
 uint32_t ExtendChunksCrc32c(uint32_t crc, uint32_t chunk_crc) {

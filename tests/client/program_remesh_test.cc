@@ -215,15 +215,22 @@ TEST_F(Remesh, ExitsWithSixPastTheDeadlineAndLeavesNothing) {
   EXPECT_THAT(Files(), ElementsAre("in.ply"));
 }
 
-TEST_F(Remesh, WarnsOfAttributesThatAreNotCarriedYet) {
+TEST_F(Remesh, CarriesTextureCoordinatesUnlessTheyAreDropped) {
   std::ofstream file(PathOf("textured.obj"));
   file << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\n"
        << "f 1/1 3/3 2/2\nf 1/1 2/2 4/3\nf 2/1 3/2 4/3\nf 3/1 1/2 4/3\n";
   file.close();
-  const Outcome warned = Run({"remesh", "textured.obj", "out.ply"});
-  EXPECT_THAT(warned.err, HasSubstr("attributes are not carried over yet"));
-  EXPECT_THAT(Run({"remesh", "textured.obj", "out.ply", "--attributes", "drop"}).err,
-              ::testing::Not(HasSubstr("attributes")));
+  const auto channels_after = [&](const std::vector<std::string>& flags) {
+    std::vector<std::string> command = {"remesh", "textured.obj", "out.obj"};
+    command.insert(command.end(), flags.begin(), flags.end());
+    EXPECT_EQ(Run(command).exit_code, 0);
+    const absl::StatusOr<ReadResult> read = ReadMeshFile(PathOf("out.obj"));
+    EXPECT_TRUE(read.ok());
+    return read.ok() ? read->mesh.attributes.channels : std::vector<AttributeChannel>();
+  };
+  EXPECT_THAT(channels_after({}), ElementsAre(AttributeChannel{"TEXCOORD_0", 2}));
+  EXPECT_THAT(channels_after({"--attributes", "drop"}), ::testing::IsEmpty());
+  EXPECT_THAT(Run({"remesh", "textured.obj", "out.stl"}).err, HasSubstr("not carried over: TEXCOORD_0"));
 }
 
 }  // namespace

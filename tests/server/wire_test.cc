@@ -79,11 +79,10 @@ TEST(OptionsFromProto, KeepsCreasesFromFortyDegreesOnUnlessToldOtherwise) {
 }
 
 TEST(OptionsFromProto, RefusesWhatIsNotBuiltYetByItsPath) {
-  std::vector<v1::RemeshOptions> cases(4);
+  std::vector<v1::RemeshOptions> cases(3);
   cases[0].set_mls_radius(4);
   cases[1].mutable_features()->set_point_count(1);
   cases[2].set_surface(v1::SURFACE_TYPE_IMLS);
-  cases[3].set_attributes(v1::ATTRIBUTE_POLICY_KEEP);
   for (const v1::RemeshOptions& proto : cases) {
     const absl::Status status = OptionsFromProto(proto).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << proto.DebugString();

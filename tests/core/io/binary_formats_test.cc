@@ -63,8 +63,7 @@ TEST(Ply, PassesOverWhatItDoesNotKnow) {
   ASSERT_THAT(read, IsOk());
   EXPECT_EQ(read->mesh.positions[0], (Vec3{1, 2, 3}));
   EXPECT_THAT(read->mesh.triangles, SizeIs(1));
-  EXPECT_THAT(read->mesh.dropped_attributes,
-              ::testing::UnorderedElementsAre("element camera", "color", "quality", "face texcoord"));
+  EXPECT_THAT(read->mesh.dropped_attributes, ::testing::UnorderedElementsAre("element camera", "face texcoord"));
 }
 
 TEST(Ply, TurnsStripsIntoTrianglesThatFaceOneWay) {

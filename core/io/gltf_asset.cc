@@ -1,0 +1,411 @@
+// 1. the references that stay: images, animations, skins, and their views and accessors behind each other in one buffer
+// 2. the faces of each group, their vertices split where wedges differ, back in the coordinates of their node
+// 3. a mesh for each node: instances of a mesh are different meshes from now on
+#include "core/io/gltf_asset.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/strings/match.h"
+#include "core/geometry/box.h"
+#include "core/io/source.h"
+
+namespace meshfront {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kFloat = 5126, kUint32 = 5125, kUint16 = 5123, kArrayBuffer = 34962, kElementArrayBuffer = 34963;
+constexpr double kFarDiagonals = 4;  // from the origin: from there on float32 loses bits of the shape
+constexpr std::array<const char*, 4> kTypes = {"SCALAR", "VEC2", "VEC3", "VEC4"};
+
+void Note(std::vector<std::string>& list, const std::string& what) {
+  if (std::find(list.begin(), list.end(), what) == list.end()) list.push_back(what);
+}
+
+Json* Member(Json& object, const char* key) {
+  if (!object.is_object()) return nullptr;
+  const auto found = object.find(key);
+  return found == object.end() ? nullptr : &*found;
+}
+// Elements of an array member; none where it is missing.
+template <class Visit>
+void ForEach(Json& object, const char* key, Visit visit) {
+  Json* const array = Member(object, key);
+  if (array == nullptr || !array->is_array()) return;
+  for (Json& element : *array) visit(element);
+}
+std::optional<uint64_t> IndexIn(Json& object, const char* key) {
+  Json* const value = Member(object, key);
+  if (value == nullptr || !value->is_number_integer() || value->get<int64_t>() < 0) return std::nullopt;
+  return value->get<uint64_t>();
+}
+
+struct Inverse {
+  explicit Inverse(const GltfTransform& t)
+      : origin(t.origin),
+        yz(Cross(t.y, t.z)),
+        zx(Cross(t.z, t.x)),
+        xy(Cross(t.x, t.y)),
+        determinant(Dot(yz, t.x)),
+        to(t) {}
+  Vec3 Direction(const Vec3& d) const { return Vec3{Dot(yz, d), Dot(zx, d), Dot(xy, d)} / determinant; }
+  Vec3 Point(const Vec3& p) const { return Direction(p - origin); }
+  // Normals go with the transposed inverse there, and so with the transpose back.
+  Vec3 Normal(const Vec3& n) const { return Normalized(Vec3{Dot(to.x, n), Dot(to.y, n), Dot(to.z, n)}); }
+  bool mirrors() const { return determinant < 0; }
+
+  Vec3 origin, yz, zx, xy;
+  double determinant;
+  GltfTransform to;
+};
+
+class Formatter {
+ public:
+  Formatter(const TriangleMesh& mesh, const GltfAsset& asset, std::vector<std::string>& left_out)
+      : mesh_(mesh), asset_(asset), left_out_(left_out) {}
+
+  absl::StatusOr<GltfDocument> Format() {
+    doc_ = Json::parse(asset_.json, nullptr, false);
+    if (!doc_.is_object()) return absl::InternalError("a glTF that was read can't be read again; please report it");
+    old_accessors_ = TakeMember("accessors"), old_views_ = TakeMember("bufferViews");
+    KeepAnimations();
+    KeepReferences();
+    const absl::Status placed = PlaceGroups();
+    if (!placed.ok()) return placed;
+    CleanNodes();
+    doc_["accessors"] = std::move(accessors_);
+    doc_["bufferViews"] = std::move(views_);
+    static constexpr const char* kMark = "@meshfront-uri@";
+    doc_["buffers"] = Json::array({Json{{"uri", kMark}, {"byteLength", buffer_.size()}}});
+    const std::string text = doc_.dump(-1, ' ', false, Json::error_handler_t::replace);
+    const std::string mark = std::string("\"uri\":\"") + kMark + "\",";
+    const size_t at = text.rfind(mark);
+    return GltfDocument{text.substr(0, at), text.substr(at + mark.size()), std::move(buffer_)};
+  }
+
+ private:
+  Json TakeMember(const char* key) {
+    Json* const found = Member(doc_, key);
+    Json taken = found == nullptr ? Json::array() : std::move(*found);
+    doc_.erase(key);
+    return taken;
+  }
+
+  uint64_t AddView(absl::string_view bytes, int target) {
+    buffer_.resize((buffer_.size() + 3) / 4 * 4, '\0');
+    Json view = {{"buffer", 0}, {"byteOffset", buffer_.size()}, {"byteLength", bytes.size()}};
+    if (target != 0) view["target"] = target;
+    buffer_.append(bytes.data(), bytes.size());
+    views_.push_back(std::move(view));
+    return views_.size() - 1;
+  }
+  template <class Element>
+  uint64_t AddArray(const std::vector<Element>& array, int target) {
+    return AddView({reinterpret_cast<const char*>(array.data()), array.size() * sizeof(Element)}, target);
+  }
+  uint64_t AddAccessor(uint64_t view, int component_type, uint64_t count, uint32_t components) {
+    accessors_.push_back(
+        {{"bufferView", view}, {"componentType", component_type}, {"count", count}, {"type", kTypes[components - 1]}});
+    return accessors_.size() - 1;
+  }
+
+  // The numbers of views and accessors that stay are new.
+  void MoveView(Json& object, const char* key) {
+    const std::optional<uint64_t> index = IndexIn(object, key);
+    if (!index) return;
+    const auto [at, is_new] = moved_views_.try_emplace(*index, 0);
+    if (is_new) {
+      const auto bytes = asset_.views.find(*index);
+      at->second = AddView(bytes == asset_.views.end() ? absl::string_view() : absl::string_view(bytes->second), 0);
+      if (*index < old_views_.size()) {
+        for (const char* kept : {"byteStride", "name", "extras"}) {
+          if (Json* const value = Member(old_views_[*index], kept)) views_[at->second][kept] = *value;
+        }
+      }
+    }
+    object[key] = at->second;
+  }
+  void MoveAccessor(Json& object, const char* key) {
+    const std::optional<uint64_t> index = IndexIn(object, key);
+    if (!index || *index >= old_accessors_.size()) return;
+    const auto [at, is_new] = moved_accessors_.try_emplace(*index, 0);
+    if (is_new) {
+      Json accessor = old_accessors_[*index];
+      MoveView(accessor, "bufferView");
+      DropPlainStride(accessor);
+      if (Json* const sparse = Member(accessor, "sparse")) {
+        for (const char* part : {"indices", "values"}) {
+          if (Json* const json = Member(*sparse, part)) MoveView(*json, "bufferView");
+        }
+      }
+      accessors_.push_back(std::move(accessor));
+      at->second = accessors_.size() - 1;
+    }
+    object[key] = at->second;
+  }
+
+  // Where elements lie behind each other a stride says nothing, and for animations and skins it is forbidden.
+  void DropPlainStride(Json& accessor) {
+    const std::optional<uint64_t> view = IndexIn(accessor, "bufferView"), type = IndexIn(accessor, "componentType");
+    if (!view || !type || Member(accessor, "type") == nullptr) return;
+    const uint64_t bytes = *type >= kUint32 ? 4 : *type >= 5122 ? 2 : 1;
+    static const std::map<std::string, uint64_t> kCounts = {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3},
+                                                            {"VEC4", 4},   {"MAT3", 9}, {"MAT4", 16}};
+    const auto count = kCounts.find(Member(accessor, "type")->get<std::string>());
+    const std::optional<uint64_t> stride = IndexIn(views_[*view], "byteStride");
+    if (count != kCounts.end() && stride && *stride == count->second * bytes) views_[*view].erase("byteStride");
+  }
+
+  // Weights of morph targets have nothing to move any more.
+  void KeepAnimations() {
+    Json* const animations = Member(doc_, "animations");
+    if (animations == nullptr || !animations->is_array()) return;
+    Json kept = Json::array();
+    for (Json& animation : *animations) {
+      Json channels = Json::array();
+      ForEach(animation, "channels", [&](Json& channel) {
+        Json* const target = Member(channel, "target");
+        if (target != nullptr && Member(*target, "path") != nullptr && *Member(*target, "path") == "weights")
+          Note(left_out_, "animations of morph targets");
+        else
+          channels.push_back(channel);
+      });
+      if (channels.empty()) continue;
+      animation["channels"] = std::move(channels);
+      kept.push_back(std::move(animation));
+    }
+    if (kept.empty())
+      doc_.erase("animations");
+    else
+      *animations = std::move(kept);
+  }
+
+  void KeepReferences() {
+    ForEach(doc_, "animations", [&](Json& animation) {
+      ForEach(animation, "samplers",
+              [&](Json& sampler) { MoveAccessor(sampler, "input"), MoveAccessor(sampler, "output"); });
+    });
+    ForEach(doc_, "skins", [&](Json& skin) { MoveAccessor(skin, "inverseBindMatrices"); });
+    ForEach(doc_, "images", [&](Json& image) { MoveView(image, "bufferView"); });
+  }
+
+  absl::Status PlaceGroups() {
+    std::vector<std::vector<uint32_t>> faces(asset_.groups.size());
+    for (uint32_t f = 0; f < mesh_.triangles.size(); ++f) {
+      const uint32_t group = mesh_.attributes.GroupOf(f);
+      if (group >= faces.size())
+        return absl::InvalidArgumentError(Concat("triangle ", f, " is of group ", group, "; there are ", faces.size()));
+      faces[group].push_back(f);
+    }
+    Json meshes = Json::array();
+    std::map<std::pair<int64_t, uint64_t>, size_t> mesh_of;  // by node and mesh
+    for (size_t g = 0; g < faces.size(); ++g) {
+      const GltfGroup& group = asset_.groups[g];
+      if (faces[g].empty()) continue;
+      const auto [at, is_new] = mesh_of.try_emplace({group.node, group.mesh}, meshes.size());
+      Json* const old_meshes = Member(doc_, "meshes");
+      Json old = old_meshes != nullptr && group.mesh < old_meshes->size() ? (*old_meshes)[group.mesh] : Json::object();
+      Json* const primitives = Member(old, "primitives");
+      Json primitive = primitives != nullptr && group.primitive < primitives->size() ? (*primitives)[group.primitive]
+                                                                                     : Json::object();
+      if (is_new) {
+        old["primitives"] = Json::array();
+        old.erase("weights");
+        meshes.push_back(std::move(old));
+        if (group.node >= 0) node_meshes_[group.node] = at->second;
+      }
+      FillPrimitive(group, faces[g], primitive);
+      meshes[at->second]["primitives"].push_back(std::move(primitive));
+    }
+    doc_["meshes"] = std::move(meshes);
+    return absl::OkStatus();
+  }
+
+  // Vertices of a primitive: one for each wedge of each vertex of the mesh.
+  struct Corner {
+    uint32_t vertex, wedge;
+  };
+
+  void FillPrimitive(const GltfGroup& group, const std::vector<uint32_t>& faces, Json& primitive) {
+    if (primitive.erase("targets") > 0) Note(left_out_, "morph targets");
+    if (Json* const extensions = Member(primitive, "extensions")) {
+      extensions->erase("KHR_draco_mesh_compression");
+      if (extensions->empty()) primitive.erase("extensions");
+    }
+    const Inverse inverse(group.to_world);
+    std::vector<Corner> corners;
+    std::vector<uint32_t> indices;
+    absl::flat_hash_map<uint64_t, uint32_t> number;
+    const bool has_wedges = !mesh_.attributes.corners.empty();
+    for (const uint32_t f : faces) {
+      for (int i : {0, inverse.mirrors() ? 2 : 1, inverse.mirrors() ? 1 : 2}) {
+        const Corner corner{mesh_.triangles[f][i].index(), has_wedges ? mesh_.attributes.corners[f][i] : 0};
+        const uint64_t key = uint64_t{corner.vertex} << 32 | corner.wedge;
+        const auto [at, is_new] = number.try_emplace(key, static_cast<uint32_t>(corners.size()));
+        if (is_new) corners.push_back(corner);
+        indices.push_back(at->second);
+      }
+    }
+    Json attributes = Json::object();
+    attributes["POSITION"] = AddPositions(corners, inverse);
+    for (const std::string& name : group.attributes) AddAttribute(name, corners, inverse, attributes);
+    primitive["attributes"] = std::move(attributes);
+    primitive["indices"] = AddAccessor(AddArray(indices, kElementArrayBuffer), kUint32, indices.size(), 1);
+    primitive["mode"] = 4;
+  }
+
+  uint64_t AddPositions(const std::vector<Corner>& corners, const Inverse& inverse) {
+    std::vector<float> values;
+    float least[3], most[3];
+    std::fill(least, least + 3, std::numeric_limits<float>::max());
+    std::fill(most, most + 3, std::numeric_limits<float>::lowest());
+    for (const Corner& c : corners) {
+      const Vec3 p = inverse.Point(mesh_.positions[c.vertex]);
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto value = static_cast<float>(p[axis]);
+        values.push_back(value);
+        least[axis] = std::min(least[axis], value), most[axis] = std::max(most[axis], value);
+      }
+    }
+    const uint64_t accessor = AddAccessor(AddArray(values, kArrayBuffer), kFloat, corners.size(), 3);
+    accessors_[accessor]["min"] = {least[0], least[1], least[2]};
+    accessors_[accessor]["max"] = {most[0], most[1], most[2]};
+    return accessor;
+  }
+
+  void AddAttribute(const std::string& name, const std::vector<Corner>& corners, const Inverse& inverse,
+                    Json& attributes) {
+    const std::optional<uint32_t> offset = mesh_.attributes.OffsetOf(name);
+    if (!offset) return;
+    uint32_t components = 0;
+    for (const AttributeChannel& c : mesh_.attributes.channels) components = c.name == name ? c.components : components;
+    const AttributeRole role = RoleOfName(name);
+    if (role == AttributeRole::kTexcoord) components = std::min(components, 2u);
+    if (role == AttributeRole::kNormal) components = 3;
+    if (components > 4 || (role == AttributeRole::kTexcoord && components < 2)) return Note(left_out_, name);
+    if (role == AttributeRole::kJoints) return AddJoints(name, *offset, components, corners, attributes);
+    std::vector<float> values;
+    for (const Corner& c : corners) {
+      const absl::Span<const float> wedge = mesh_.attributes.WedgeAt(c.wedge);
+      const size_t begin = values.size();
+      values.insert(values.end(), wedge.begin() + *offset, wedge.begin() + *offset + components);
+      ToNode(role, inverse, values.data() + begin);
+      if (role == AttributeRole::kColour) {
+        for (size_t i = begin; i < values.size(); ++i) values[i] = std::clamp(values[i], 0.0f, 1.0f);
+      }
+    }
+    attributes[GltfName(name, role)] = AddAccessor(AddArray(values, kArrayBuffer), kFloat, corners.size(), components);
+  }
+
+  // Of applications' own attributes begins with an underscore.
+  static std::string GltfName(const std::string& name, AttributeRole role) {
+    return role != AttributeRole::kCustom || absl::StartsWith(name, "_") ? name : "_" + name;
+  }
+
+  static void ToNode(AttributeRole role, const Inverse& inverse, float* at) {
+    if (role != AttributeRole::kNormal && role != AttributeRole::kTangent) return;
+    const Vec3 v{at[0], at[1], at[2]};
+    const Vec3 moved = role == AttributeRole::kNormal ? inverse.Normal(v) : Normalized(inverse.Direction(v));
+    for (int axis = 0; axis < 3; ++axis) at[axis] = static_cast<float>(moved[axis]);
+    if (role == AttributeRole::kTangent) at[3] = (at[3] < 0) != inverse.mirrors() ? -1 : 1;
+  }
+
+  void AddJoints(const std::string& name, uint32_t offset, uint32_t components, const std::vector<Corner>& corners,
+                 Json& attributes) {
+    std::vector<uint16_t> values;
+    for (const Corner& c : corners) {
+      for (const float v : mesh_.attributes.WedgeAt(c.wedge).subspan(offset, components))
+        values.push_back(static_cast<uint16_t>(std::clamp(v, 0.0f, 65535.0f)));
+    }
+    attributes[name] = AddAccessor(AddArray(values, kArrayBuffer), kUint16, corners.size(), components);
+  }
+
+  // Nodes whose mesh was not read, or of which nothing is left, have none.
+  void CleanNodes() {
+    int64_t number = 0;
+    ForEach(doc_, "nodes", [&](Json& node) {
+      const auto mesh = node_meshes_.find(number++);
+      if (!node.is_object()) return;
+      node.erase("weights");
+      if (mesh != node_meshes_.end()) {
+        node["mesh"] = mesh->second;
+      } else if (node.erase("mesh") > 0) {
+        node.erase("skin");
+        Note(left_out_, "meshes outside of the scene, or without triangles");
+      }
+      Json* const extensions = Member(node, "extensions");
+      if (extensions != nullptr && extensions->erase("EXT_mesh_gpu_instancing") > 0)
+        Note(left_out_, "EXT_mesh_gpu_instancing");
+      if (extensions != nullptr && extensions->empty()) node.erase("extensions");
+    });
+    for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
+      Json kept = Json::array();
+      ForEach(doc_, list, [&](Json& name) {
+        if (name != "KHR_draco_mesh_compression" && name != "KHR_mesh_quantization" &&
+            name != "EXT_mesh_gpu_instancing")
+          kept.push_back(name);
+      });
+      doc_.erase(list);
+      if (!kept.empty()) doc_[list] = std::move(kept);
+    }
+  }
+
+  const TriangleMesh& mesh_;
+  const GltfAsset& asset_;
+  std::vector<std::string>& left_out_;
+  Json doc_, old_accessors_, old_views_;
+  Json accessors_ = Json::array(), views_ = Json::array();
+  std::string buffer_;
+  std::map<uint64_t, uint64_t> moved_views_, moved_accessors_;
+  std::map<int64_t, size_t> node_meshes_;
+};
+
+}  // namespace
+
+absl::StatusOr<GltfDocument> FormatGltf(const TriangleMesh& mesh, const GltfAsset& asset,
+                                        std::vector<std::string>& left_out) try {
+  return Formatter(mesh, asset, left_out).Format();
+} catch (const nlohmann::json::exception& e) {
+  return absl::InternalError(Concat("a glTF can't be put together again: ", e.what()));
+}
+
+GltfAsset PlainGltfAsset(const TriangleMesh& mesh, const std::vector<std::string>& group_names) {
+  GltfAsset asset;
+  const Box3 box = BoundingBox(mesh);
+  Json node = {{"mesh", 0}};
+  GltfTransform to_world;
+  if (!box.empty() && Norm(box.Center()) > kFarDiagonals * box.Diagonal()) {
+    to_world.origin = box.Center();
+    node["translation"] = {to_world.origin.x, to_world.origin.y, to_world.origin.z};
+  }
+  uint32_t groups = 1;
+  for (const uint32_t g : mesh.attributes.groups) groups = std::max(groups, g + 1);
+  Json primitives = Json::array(), materials = Json::array();
+  for (uint32_t g = 0; g < groups; ++g) {
+    Json primitive = Json::object();
+    if (g < group_names.size() && !group_names[g].empty()) {
+      primitive["material"] = materials.size();
+      materials.push_back({{"name", group_names[g]}});
+    }
+    primitives.push_back(std::move(primitive));
+    asset.groups.push_back({0, 0, g, to_world, {}});
+    for (const AttributeChannel& c : mesh.attributes.channels) asset.groups.back().attributes.push_back(c.name);
+  }
+  Json doc = {{"asset", {{"version", "2.0"}, {"generator", "Meshfront"}}},
+              {"scene", 0},
+              {"scenes", Json::array({Json{{"nodes", Json::array({0})}}})},
+              {"nodes", Json::array({std::move(node)})},
+              {"meshes", Json::array({Json{{"primitives", std::move(primitives)}}})}};
+  if (!materials.empty()) doc["materials"] = std::move(materials);
+  asset.json = doc.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return asset;
+}
+
+}  // namespace meshfront

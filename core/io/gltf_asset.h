@@ -1,0 +1,47 @@
+// A glTF around another mesh: nodes, materials, textures, animations, skins and extras as they were, the primitives new.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/geometry/vec3.h"
+#include "core/io/mesh_io.h"
+#include "core/mesh/triangle_mesh.h"
+
+namespace meshfront {
+
+// p ↦ x·p.x + y·p.y + z·p.z + origin.
+struct GltfTransform {
+  Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1}, origin;
+};
+
+// A primitive as a node has it: where the faces of one group of the mesh come from.
+struct GltfGroup {
+  int64_t node = -1;  // -1: the file has no nodes, and the mesh stands alone
+  uint64_t mesh = 0, primitive = 0;
+  GltfTransform to_world;               // of the positions in the file
+  std::vector<std::string> attributes;  // that the primitive has, beside POSITION
+};
+
+struct GltfAsset {
+  std::string json;
+  std::map<uint64_t, std::string> views;  // bytes of the buffer views of images, animations and skins
+  std::vector<GltfGroup> groups;          // by MeshAttributes::groups
+};
+
+// The document and the one buffer that it names without a uri.
+struct GltfDocument {
+  std::string json_before_uri, json_after_uri;  // `"uri":"…",` may go in between
+  std::string buffer;
+};
+
+// `mesh` with the groups of the asset, in the coordinates that it was read in. What of the asset goes is appended to `left_out`.
+absl::StatusOr<GltfDocument> FormatGltf(const TriangleMesh& mesh, const GltfAsset& asset,
+                                        std::vector<std::string>& left_out);
+// For meshes of other formats: one node, a material for each name.
+GltfAsset PlainGltfAsset(const TriangleMesh& mesh, const std::vector<std::string>& group_names);
+
+}  // namespace meshfront

@@ -1,0 +1,50 @@
+// Attributes and groups of a glTF's triangles, and what of the file stays for a later one.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
+#include "core/io/gltf_asset.h"
+#include "core/io/gltf_file.h"
+#include "core/io/mesh_io.h"
+
+namespace meshfront {
+
+// Called by the reader of scenes: Count for each primitive as often as it is in the scene, then Add, then Finish once. Attributes that
+// can't be read, or would take more than 16 times the file's memory, are left out, never an error.
+class GltfAttributeReader {
+ public:
+  explicit GltfAttributeReader(GltfFile& file) : file_(file) {}
+
+  // A primitive's triangles in the mesh, and its vertices.
+  struct Range {
+    size_t first_triangle, first_vertex, vertices;
+  };
+
+  void Count(JsonValue primitive, uint64_t vertices);
+  // Wedges and group of the mesh's triangles from range.first_triangle on.
+  void Add(GltfGroup group, JsonValue primitive, const Range& range, TriangleMesh& mesh);
+  void Finish(ReadResult& result);
+
+ private:
+  void AddWedges(const GltfGroup& group, JsonValue attributes, uint64_t vertices, MeshAttributes& to);
+  const GltfAccessor* Find(JsonValue attributes, const AttributeChannel& channel, uint64_t vertices);
+  std::string MaterialOf(JsonValue primitive);
+  bool KeepView(JsonValue index);
+  void KeepAccessor(JsonValue index);
+  void KeepViews();
+
+  GltfFile& file_;
+  std::vector<AttributeChannel> channels_;
+  uint64_t wedges_ = 0, kept_bytes_ = 0;
+  bool fits_ = true;  // attributes into memory, and what is kept
+  absl::flat_hash_set<int64_t> nodes_;
+  std::vector<std::string> names_;
+  absl::flat_hash_map<std::string, uint32_t> first_wedge_;  // by node, mesh and the attributes' text
+  std::shared_ptr<GltfAsset> asset_ = std::make_shared<GltfAsset>();
+};
+
+}  // namespace meshfront

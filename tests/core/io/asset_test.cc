@@ -1,0 +1,165 @@
+// Attributes in files: what is written is read again, and what lies around a glTF's meshes stays.
+#include <nlohmann/json.hpp>
+
+#include "core/io/mesh_io.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tests/core/io/support.h"
+#include "tests/support/matchers.h"
+#include "tests/support/shapes.h"
+#include "tests/support/textured.h"
+
+namespace meshfront {
+namespace {
+
+using ::testing::ElementsAre;
+using testing::Glb;
+using ::testing::IsEmpty;
+using testing::IsOk;
+using testing::Raw;
+using testing::ReadText;
+
+// A cylinder with a seam, normals, colours and two groups.
+TriangleMesh Painted() {
+  TriangleMesh mesh = testing::Textured(testing::OpenCylinder(1, 2, 12, 3), testing::AroundZ);
+  mesh = testing::WithChannel(mesh, "NORMAL", 3, [](const Vec3& p, const Vec3&) {
+    const Vec3 n = Normalized(Vec3{p.x, p.y, 0});
+    return std::vector<float>{static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)};
+  });
+  mesh = testing::WithChannel(mesh, "COLOR_0", 4, [](const Vec3& p, const Vec3&) {
+    return std::vector<float>{p.x > 0 ? 1.0f : 0.2f, 0, p.y > 0 ? 0.4f : 0.6f, 1};
+  });
+  for (size_t f = 0; f < mesh.triangles.size(); ++f) mesh.attributes.groups.push_back(f % 5 == 0);
+  return mesh;
+}
+
+// By the places of its corners, sorted: the values of each face.
+std::vector<std::vector<float>> Faces(const TriangleMesh& mesh) {
+  std::vector<std::vector<float>> faces;
+  for (size_t f = 0; f < mesh.triangles.size(); ++f) {
+    std::vector<float> face = {static_cast<float>(mesh.attributes.GroupOf(f))};
+    for (int i = 0; i < 3; ++i) {
+      const Vec3& p = mesh.PositionAt(mesh.triangles[f][i]);
+      for (int axis = 0; axis < 3; ++axis) face.push_back(static_cast<float>(p[axis]));
+      for (const float value : mesh.attributes.WedgeAt(mesh.attributes.corners[f][i])) face.push_back(value);
+    }
+    faces.push_back(std::move(face));
+  }
+  std::sort(faces.begin(), faces.end());
+  return faces;
+}
+
+TriangleMesh ThereAndBack(const TriangleMesh& mesh, Format format, std::vector<std::string>& left_out) {
+  const absl::StatusOr<std::string> bytes = FormatAsset(mesh, format, {}, left_out);
+  EXPECT_THAT(bytes, IsOk());
+  if (!bytes.ok()) return {};
+  const absl::StatusOr<ReadResult> read = ReadText(*bytes, format);
+  EXPECT_THAT(read, IsOk());
+  return read.ok() ? read->mesh : TriangleMesh();
+}
+
+TEST(Asset, ComesBackFromGlbAndGltf) {
+  for (const Format format : {Format::kGlb, Format::kGltf}) {
+    std::vector<std::string> left_out;
+    const TriangleMesh mesh = Painted(), back = ThereAndBack(mesh, format, left_out);
+    EXPECT_THAT(left_out, IsEmpty());
+    EXPECT_EQ(back.attributes.channels, mesh.attributes.channels);
+    EXPECT_EQ(Faces(back), Faces(mesh));
+  }
+}
+
+TEST(Asset, ComesBackFromObjWithoutColours) {
+  std::vector<std::string> left_out;
+  const TriangleMesh back = ThereAndBack(Painted(), Format::kObj, left_out);
+  EXPECT_THAT(left_out, ElementsAre("COLOR_0"));
+  EXPECT_THAT(back.attributes.channels, ElementsAre(AttributeChannel{"TEXCOORD_0", 2}, AttributeChannel{"NORMAL", 3}));
+  EXPECT_EQ(back.positions.size(), Painted().positions.size());  // seams split no vertex
+  EXPECT_EQ(back.attributes.groups.size(), back.triangles.size());
+}
+
+TEST(Asset, ComesBackFromPlyWithColoursInBytes) {
+  std::vector<std::string> left_out;
+  const TriangleMesh mesh = Painted();
+  const TriangleMesh back = ThereAndBack(mesh, Format::kPly, left_out);
+  EXPECT_THAT(left_out, ElementsAre("materials"));
+  ASSERT_EQ(back.triangles.size(), mesh.triangles.size());
+  const uint32_t was = *mesh.attributes.OffsetOf("COLOR_0"), is = *back.attributes.OffsetOf("COLOR_0");
+  for (size_t f = 0; f < mesh.triangles.size(); ++f) {
+    for (int i = 0; i < 3; ++i) {
+      for (int c = 0; c < 4; ++c) {
+        EXPECT_NEAR(back.attributes.WedgeAt(back.attributes.corners[f][i])[is + c],
+                    mesh.attributes.WedgeAt(mesh.attributes.corners[f][i])[was + c], 0.5 / 255 + 1e-6);
+      }
+    }
+  }
+}
+
+TEST(Asset, KeepsNumbersOfPlyVerticesByTheirNames) {
+  const auto read = ReadText(
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "property float quality\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0 0 5\n1 0 0 6\n0 1 0 7\n3 0 1 2\n",
+      Format::kPly);
+  ASSERT_THAT(read, IsOk());
+  EXPECT_THAT(read->mesh.attributes.channels, ElementsAre(AttributeChannel{"quality", 1}));
+  EXPECT_THAT(read->mesh.attributes.values, ElementsAre(5, 6, 7));
+}
+
+// A node that turns and mirrors, with a material, an image in the buffer, a node without mesh, and an animation.
+std::string AnimatedGlb() {
+  const std::string buffer = Raw({0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f}) + Raw({0.f, 0.f, 1.f, 0.f, 0.f, 1.f}) +
+                             Raw({0.f, 1.f}) + Raw({0.f, 0.f, 0.f, 1.f, 2.f, 3.f}) + "PNG.";
+  return Glb(
+      R"({"asset":{"version":"2.0","generator":"hand"},"scene":0,"scenes":[{"nodes":[0]}],)"
+      R"("nodes":[{"name":"root","children":[1],"translation":[5,0,0]},{"name":"leaf","mesh":0,"scale":[2,-1,3],"extras":{"a":1}}],)"
+      R"("meshes":[{"name":"m","primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1},"material":0}]}],)"
+      R"("materials":[{"name":"red","pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}],"textures":[{"source":0}],)"
+      R"("images":[{"bufferView":4,"mimeType":"image/png"}],)"
+      R"("animations":[{"channels":[{"sampler":0,"target":{"node":1,"path":"translation"}}],"samplers":[{"input":2,"output":3}]}],)"
+      R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},)"
+      R"({"bufferView":1,"componentType":5126,"count":3,"type":"VEC2"},)"
+      R"({"bufferView":2,"componentType":5126,"count":2,"type":"SCALAR","min":[0],"max":[1]},)"
+      R"({"bufferView":3,"componentType":5126,"count":2,"type":"VEC3"}],)"
+      R"("bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":24},)"
+      R"({"buffer":0,"byteOffset":60,"byteLength":8},{"buffer":0,"byteOffset":68,"byteLength":24},)"
+      R"({"buffer":0,"byteOffset":92,"byteLength":4}],"buffers":[{"byteLength":96}]})",
+      buffer);
+}
+
+TEST(Asset, KeepsWhatLiesAroundTheMeshesOfAGltf) {
+  const auto read = ReadText(AnimatedGlb(), Format::kGlb);
+  ASSERT_THAT(read, IsOk());
+  EXPECT_THAT(read->mesh.dropped_attributes, IsEmpty());
+  std::vector<std::string> left_out;
+  const absl::StatusOr<std::string> text = FormatAsset(read->mesh, Format::kGltf, read->asset, left_out);
+  ASSERT_THAT(text, IsOk());
+  EXPECT_THAT(left_out, IsEmpty());
+  const nlohmann::json doc = nlohmann::json::parse(*text);
+  EXPECT_EQ(doc["nodes"][0]["name"], "root");
+  EXPECT_EQ(doc["nodes"][1]["extras"]["a"], 1);
+  EXPECT_EQ(doc["nodes"][1]["scale"][1], -1);
+  EXPECT_EQ(doc["meshes"][0]["name"], "m");
+  EXPECT_EQ(doc["meshes"][0]["primitives"][0]["material"], 0);
+  EXPECT_EQ(doc["materials"][0]["name"], "red");
+  const auto& sampler = doc["animations"][0]["samplers"][0];
+  EXPECT_EQ(doc["accessors"][sampler["output"].get<size_t>()]["type"], "VEC3");
+  EXPECT_EQ(doc["bufferViews"][doc["images"][0]["bufferView"].get<size_t>()]["byteLength"], 4);
+  // In the node's own coordinates, with its own sense: the same as was read.
+  const auto again = ReadText(*text, Format::kGltf);
+  ASSERT_THAT(again, IsOk());
+  EXPECT_EQ(Faces(again->mesh), Faces(read->mesh));
+  const auto& position = doc["accessors"][doc["meshes"][0]["primitives"][0]["attributes"]["POSITION"].get<size_t>()];
+  EXPECT_EQ(position["min"], (std::vector<double>{0, 0, 0}));
+  EXPECT_EQ(position["max"], (std::vector<double>{1, 1, 0}));
+}
+
+TEST(Asset, SaysWhatAGltfLosesInOtherFormats) {
+  const auto read = ReadText(AnimatedGlb(), Format::kGlb);
+  ASSERT_THAT(read, IsOk());
+  std::vector<std::string> left_out;
+  ASSERT_THAT(FormatAsset(read->mesh, Format::kObj, read->asset, left_out), IsOk());
+  EXPECT_THAT(left_out, ElementsAre("nodes, textures, animations and skins of the glTF"));
+}
+
+}  // namespace
+}  // namespace meshfront
