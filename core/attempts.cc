@@ -37,6 +37,7 @@ constexpr uint64_t kHeldInAnyCase = 6000;
 // Rough ground: this share of the edges turns by more than the angle of this cosine (80°).
 constexpr double kRoughShare = 0.005, kRoughCosine = 0.17;
 constexpr int kMaxAttempts = 7, kMaxForCount = 4;
+constexpr int kMaxForPoints = 3;  // attempts at a point set: no faces can be cut loose
 // Where the front was taken back at place after place all over a large mesh, the ground is rough, and shorter edges make it no better:
 // roll-backs times triangles.
 constexpr double kMostWorkForFiner = 1e7;
@@ -50,8 +51,7 @@ constexpr double kCountPromise = 0.03;     // of the number of triangles wanted
 constexpr double kFlatRatio = 1e-12;       // radius ratio of what has no area, whatever rounding says
 constexpr size_t kMaxListedPairs = 20000;  // of an output's intersections, that are looked at
 
-Vec3 LongestAxis(const TriangleMesh& mesh) {
-  const Box3 box = BoundingBox(mesh);
+Vec3 LongestAxis(const Box3& box) {
   const Vec3 extent = box.max - box.min;
   if (extent.x >= extent.y && extent.x >= extent.z) return {1, 0, 0};
   return extent.y >= extent.z ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
@@ -60,9 +60,7 @@ Vec3 LongestAxis(const TriangleMesh& mesh) {
 // The error bound of an edge in parts of its length; with a uniform length, of that length where the surface is bent most.
 double BoundPerLength(const Preparation& p) {
   const double length = p.parameters.options.sizing == Sizing::kUniform ? p.parameter : 1;
-  const auto curvatures = p.surface->vertex_curvatures();
-  const double peak = curvatures.empty() ? 0 : *std::max_element(curvatures.begin(), curvatures.end());
-  return ErrorBoundInForce(p, length, peak) / length;
+  return ErrorBoundInForce(p, length, p.PeakCurvature()) / length;
 }
 
 FrontOptions FrontOptionsOf(const Preparation& p) {
@@ -75,7 +73,7 @@ FrontOptions FrontOptionsOf(const Preparation& p) {
           .bound_per_length = BoundPerLength(p),
           .predicted_triangles = predicted,
           .max_triangles = kMaxPerPredicted * predicted + kMaxBeyondPredicted,
-          .sweep = LongestAxis(p.surface->mesh()),
+          .sweep = LongestAxis(p.Box()),
           .max_error = o.sizing == Sizing::kError ? p.parameter : std::numeric_limits<double>::infinity(),
           .max_insertions = p.parameters.target_triangles > 0 ? kInsertionsForCount * p.predicted_triangles
                                                               : std::numeric_limits<double>::infinity()};
@@ -128,7 +126,7 @@ absl::Status FindIntersections(const TriangleMesh& mesh, const Preparation& p, d
     const auto [a, b, c] = CornersOf(mesh, mesh.triangles[f.index()]);
     const auto [d, e, h] = CornersOf(mesh, mesh.triangles[g.index()]);
     const Vec3 place = PlaceOfMeeting({a, b, c}, {d, e, h});
-    if (!p.surface->MeetsItselfNear(place, bound, context)) attempt.intersections.push_back(place);
+    if (!p.any_surface().MeetsItselfNear(place, bound, context)) attempt.intersections.push_back(place);
   }
   return context.CheckStop();
 }
@@ -145,7 +143,7 @@ absl::StatusOr<Attempt> MakeAttempt(const Preparation& p, bool looks_closely, Ho
   const FrontOptions options = FrontOptionsOf(p);
   Attempt attempt;
   MESHFRONT_ASSIGN_OR_RETURN(attempt.front,
-                             AdvanceFront(*p.surface, *p.field, p.loops, p.seeds, options, held, context));
+                             AdvanceFront(p.any_surface(), *p.field, p.loops, p.seeds, options, held, context));
   attempt.parameters = p.parameters;
   attempt.parameter = p.parameter;
   attempt.intersections = attempt.front.spread_intersections;
@@ -154,7 +152,7 @@ absl::StatusOr<Attempt> MakeAttempt(const Preparation& p, bool looks_closely, Ho
   const TriangleMesh mesh = MeshOf(attempt.pieces);
   const double bound =
       std::isfinite(options.max_error) ? options.max_error : options.bound_per_length * attempt.front.longest_edge;
-  if (p.builder->HasCloseSheets() || looks_closely)
+  if (p.points || p.builder->HasCloseSheets() || looks_closely)
     MESHFRONT_RETURN_IF_ERROR(FindIntersections(mesh, p, bound, attempt, context));
   FindFlatTriangles(mesh, attempt);
   return attempt;
@@ -188,7 +186,8 @@ class Remedy {
   absl::Status Apply(const std::vector<Vec3>& places, bool is_rough, std::optional<uint64_t> count, Preparation& p,
                      const Context& context) {
     const bool is_finer = !is_rough && finer_++ < kFinerAttempts;
-    if (places.empty() || is_finer || p.parameters.options.min_edge) return PrepareAgain(places, count, p, context);
+    if (places.empty() || is_finer || p.points || p.parameters.options.min_edge)
+      return PrepareAgain(places, count, p, context);
     MESHFRONT_RETURN_IF_ERROR(CutFacesLoose(places, reach_, p, context));
     reach_ *= 2;
     return PrepareAgain({}, count, p, context);
@@ -209,8 +208,11 @@ std::vector<Vec3> Attempt::Faults() const {
 }
 
 absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& p, MeshSink& sink, const Context& context) {
-  MESHFRONT_ASSIGN_OR_RETURN(const bool is_close, DoCurvesLieClose(*p.surface, p.loops, context));
-  const bool is_rough = IsRough(*p.surface);
+  bool is_close = p.points != nullptr;  // sheets of samples may
+  if (!p.points) {
+    MESHFRONT_ASSIGN_OR_RETURN(is_close, DoCurvesLieClose(*p.surface, p.loops, context));
+  }
+  const bool is_rough = !p.points && IsRough(*p.surface);
   HoldingSink held(sink, HeldLimit(p, is_close || is_rough));
   const uint64_t wanted = p.parameters.target_triangles;
   Attempt best;
@@ -225,7 +227,7 @@ absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& p, MeshSink& sink, const 
     const std::optional<uint64_t> count = NextCount(p, attempt, wanted);
     if (number == 1 || IsBetter(attempt, best, wanted)) best = std::move(attempt);
     if (places.empty() && (!is_off || number >= kMaxForCount)) break;
-    if (number == kMaxAttempts || places.size() > kMostFaults) break;
+    if (number == (p.points ? kMaxForPoints : kMaxAttempts) || places.size() > kMostFaults) break;
     const absl::Status prepared = remedy.Apply(places, is_rough || work > kMostWorkForFiner, count, p, context);
     if (absl::IsInvalidArgument(prepared)) break;  // so few, or so many, can't be made
     MESHFRONT_RETURN_IF_ERROR(prepared);

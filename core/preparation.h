@@ -4,13 +4,17 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "core/field_builder.h"
 #include "core/guidance/guidance_field.h"
+#include "core/point_field.h"
 #include "core/remesh.h"
+#include "core/surface/implicit_mls_surface.h"
 #include "core/surface/mesh_surface.h"
+#include "core/surface/mls_rims.h"
 #include "core/surface/oriented_loop.h"
 
 namespace meshfront {
@@ -18,8 +22,11 @@ namespace meshfront {
 struct Preparation {
   InputReport input;
   ParametersInForce parameters;
-  std::unique_ptr<MeshSurface> surface;
+  std::unique_ptr<MeshSurface> surface;  // of a mesh; null for a point set
   std::unique_ptr<FieldBuilder> builder;
+  std::unique_ptr<ImplicitMlsSurface> points;  // of a point set; null for a mesh
+  std::unique_ptr<PointFieldBuilder> point_builder;
+  std::vector<RimCurve> rims;  // of the point set
   std::optional<GuidanceField> field;
   std::vector<OrientedLoop> loops;
   std::vector<SourcePoint> seeds;
@@ -27,6 +34,12 @@ struct Preparation {
   double predicted_triangles = 0;
   double scale = 1;  // the surface is the input times this power of two
   StageSeconds seconds;
+  std::vector<std::string> warnings;  // of the input
+
+  const Surface& any_surface() const { return points ? static_cast<const Surface&>(*points) : *surface; }
+  // The largest curvature anywhere, and the box of the surface.
+  double PeakCurvature() const;
+  Box3 Box() const;
 };
 
 // The error bound of eq. 7 for edges of `length` at the parameters in force: with the angle in force, so that a uniform length is

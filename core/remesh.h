@@ -21,6 +21,10 @@ namespace meshfront {
 // than the centre of curvature is (sec. 6).
 enum class Sizing { kAngle, kError, kUniform, kThickness };
 
+// How the input is understood: as it is; as a mesh; or, which makes a point set of a mesh, by a moving-least-squares surface, the one
+// that projects on fitted polynomials (not yet) or the implicit one.
+enum class SurfaceKind { kAuto, kMesh, kMls, kImls };
+
 // A length, absolute (in the units of the input) or relative to the diagonal of its bounding box.
 struct Length {
   double value = 0;
@@ -46,7 +50,9 @@ struct RemeshOptions {
   bool flips = true;   // edge flips behind the front
   bool smooth = true;  // guarded smoothing and optimisation behind the front
   bool fit = true;     // vertices moved along the normal to fit the surface between them
-  bool repair = true;  // mend the input first, each change reported; false: refuse what would need it
+  SurfaceKind surface = SurfaceKind::kAuto;
+  double mls_radius = 4;  // radius of a sample's weight in local spacings, [2, 16]; of point sets
+  bool repair = true;     // mend the input first, each change reported; false: refuse what would need it
 };
 // InvalidArgument naming the field, the value and the rule, e.g. "options.eta is 2.5; it must be in (1, 2)".
 absl::Status ValidateOptions(const RemeshOptions& options);
@@ -58,13 +64,13 @@ absl::Status ValidateOptions(const RemeshOptions& options);
 absl::StatusOr<RepairResult> RepairInput(TriangleMesh mesh, const RemeshOptions& options, const Context& context);
 
 struct Problem {
-  TriangleMesh mesh;  // as read; consumed
+  TriangleMesh mesh;  // as read, or without triangles a point set; consumed
   RemeshOptions options;
 };
 
 struct InputReport {
   bool is_point_set = false;
-  TopologyReport topology;            // of the mesh after repair
+  TopologyReport topology;            // of the mesh after repair; of a point set vertices and components only
   std::vector<RepairAction> repairs;  // what was changed
   double diagonal = 0;                // of the bounding box
 };

@@ -49,11 +49,11 @@ void AddMeshingFlags(CLI::App* command, MeshingFlags* flags) {
                       "edges that turn by more degrees than this stay sharp, or off: none does [40]");
   command->add_option("--attributes", flags->attributes,
                       "keep, drop: UV, colours, materials, … (not yet: dropped with a warning)");
-  command->add_option("--surface", flags->surface, "auto, mesh; mls and imls: not yet [auto]");
+  command->add_option("--surface", flags->surface, "auto, mesh, imls; mls: not yet [auto]");
   command->add_option("--features", flags->features, "extra feature polylines (not yet)");
   command->add_option("--region", flags->region, "remesh only a part (not yet)");
   command->add_option("--blend", flags->blend, "width of the size transition at a border (not yet)");
-  command->add_option("--mls-radius", flags->mls_radius, "support radius of MLS surfaces (not yet)");
+  command->add_option("--mls-radius", flags->mls_radius, "radius of a point's weight in local spacings, 2 to 16 [4]");
   command->add_option("--seed-point", flags->seed_points, "a point near an intersection curve (not yet)");
 }
 
