@@ -1,6 +1,6 @@
-// Build: 1. thickness, from one sample of each patch    2. curvature → ideal lengths    3. the field and its predicted count, over one
-// triangle of the right area for each of a part of the samples.
-// BuildForCount: a secant on (log parameter, log count) from what the curvatures alone suggest.
+// Build: 1. thickness, from one sample of each patch    2. curvature → ideal lengths    3. the field and its predicted
+// count, over one triangle of the right area for each of a part of the samples. BuildForCount: a secant on (log
+// parameter, log count) from what the curvatures alone suggest.
 #include "core/point_field.h"
 
 #include <algorithm>
@@ -19,8 +19,8 @@ namespace meshfront {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// As for meshes (field_builder.cc): the error in parts of the distance to the other side, how far that matters in parts of an edge, and
-// the shortest edge for its sake in parts of the spacing.
+// As for meshes (field_builder.cc): the error in parts of the distance to the other side, how far that matters in parts
+// of an edge, and the shortest edge for its sake in parts of the spacing.
 constexpr double kErrorPerSheetDistance = 0.25, kLeastPerSpacing = 0.5;
 constexpr double kSheetReach = 0.75, kLongestSheetReachPerBox = 0.1;
 constexpr size_t kCountedSamples = 16384;

@@ -1,5 +1,5 @@
-// From the samples of a point set to their guidance field, and the parameter of the sizing that makes a number of triangles: what
-// FieldBuilder is for meshes.
+// From the samples of a point set to their guidance field, and the parameter of the sizing that makes a number of
+// triangles: what FieldBuilder is for meshes.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// 1. CheckKind    2. repair: what is no sample goes, and normals that are missing are estimated    3. the surface, scaled as meshes are
-// 4. the field    5. a seed in each connected part
+// 1. CheckKind    2. repair: what is no sample goes, and normals that are missing are estimated    3. the surface,
+// scaled as meshes are 4. the field    5. a seed in each connected part
 #include "core/point_preparation.h"
 
 #include <algorithm>

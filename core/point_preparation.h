@@ -1,4 +1,5 @@
-// Everything before the front for a point set: from the points as read to a surface, a guidance field and the fronts to start from.
+// Everything before the front for a point set: from the points as read to a surface, a guidance field and the fronts to
+// start from.
 #pragma once
 
 #include "absl/status/statusor.h"

@@ -26,8 +26,8 @@ class Stopwatch {
 // The power of two that brings a diagonal into the range in which its fourth power is a number; 1 where it is.
 double ScaleFor(double diagonal);
 
-// The clamps of the edge length in the surface's scale, as given or from the sizes of the parts. InvalidArgument when they contradict
-// each other.
+// The clamps of the edge length in the surface's scale, as given or from the sizes of the parts. InvalidArgument when
+// they contradict each other.
 absl::Status SetClamps(const RemeshOptions& options, absl::Span<const double> component_diagonals, Preparation& p);
 
 // The field at the parameter given, or at the one that makes the number of triangles wanted.

@@ -1,4 +1,5 @@
-// The rims of a point set's surface as initial fronts: resampled by the guidance field, as those of meshes are (boundary.h).
+// The rims of a point set's surface as initial fronts: resampled by the guidance field, as those of meshes are
+// (boundary.h).
 #pragma once
 
 #include <vector>

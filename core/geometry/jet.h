@@ -1,5 +1,6 @@
-// Forward-mode differentiation (sec. 3.2, "metaprogramming"): a number that carries its derivatives by x, y and z, so that a formula
-// written once in plain arithmetic gives value, gradient and Hessian, and the compiler does the chain rule.
+// Forward-mode differentiation (sec. 3.2, "metaprogramming"): a number that carries its derivatives by x, y and z, so
+// that a formula written once in plain arithmetic gives value, gradient and Hessian, and the compiler does the chain
+// rule.
 #pragma once
 
 #include <array>
@@ -132,8 +133,8 @@ constexpr Jet<kOrder> SquaredDistanceToPlace(const Vec3& x, const Vec3& p) {
   return r;
 }
 
-// The principal curvatures of the level set of f through the place, by increasing value, positive where it bends away from the
-// gradient: those of a sphere around which f grows are 1 / radius. 0 where there is no gradient.
+// The principal curvatures of the level set of f through the place, by increasing value, positive where it bends away
+// from the gradient: those of a sphere around which f grows are 1 / radius. 0 where there is no gradient.
 inline std::array<double, 2> PrincipalCurvatures(const Jet<2>& f) {
   const Vec3 gradient = f.Gradient();
   const double slope = Norm(gradient);

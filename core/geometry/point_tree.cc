@@ -1,5 +1,6 @@
-// Nodes halve their points at the median of the longest side of their box, and are stored before their children: depth is the logarithm
-// of the number of points however they lie. Rejected: nanoflann; its filters and its order of equal distances are its own.
+// Nodes halve their points at the median of the longest side of their box, and are stored before their children: depth
+// is the logarithm of the number of points however they lie. Rejected: nanoflann; its filters and its order of equal
+// distances are its own.
 #include "core/geometry/point_tree.h"
 
 #include <algorithm>

@@ -13,9 +13,9 @@
 
 namespace meshfront {
 
-// Immutable after construction; safe to read from many threads; deterministic, of equal distances the lower index wins. The tree's
-// order puts points that are near each other next to each other; all indices are those of the points as they were given. O(n log n);
-// 28 bytes a point and 72 a node of up to 8 points.
+// Immutable after construction; safe to read from many threads; deterministic, of equal distances the lower index wins.
+// The tree's order puts points that are near each other next to each other; all indices are those of the points as they
+// were given. O(n log n); 28 bytes a point and 72 a node of up to 8 points.
 class PointTree {
  public:
   static constexpr uint32_t kNone = 0xffffffffu;

@@ -1,6 +1,6 @@
-// 1. the neighbours' plane at each point without a normal    2. a minimum spanning tree over neighbours, the edges along which planes
-// agree best first, carries the side from one to the next    3. parts without any given normal are turned so that they enclose a
-// positive volume
+// 1. the neighbours' plane at each point without a normal    2. a minimum spanning tree over neighbours, the edges
+// along which planes agree best first, carries the side from one to the next    3. parts without any given normal are
+// turned so that they enclose a positive volume
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -18,8 +18,8 @@ namespace {
 
 constexpr size_t kPlaneNeighbours = 14;
 constexpr size_t kGrain = 256;
-// Neighbours whose normals disagree by more than this cosine tell of nothing but a wrong side; closer to a right angle they may lie
-// around an edge.
+// Neighbours whose normals disagree by more than this cosine tell of nothing but a wrong side; closer to a right angle
+// they may lie around an edge.
 constexpr double kApart = -0.5;
 
 struct Neighbours {
@@ -66,7 +66,8 @@ std::vector<Pair> SortedPairs(const TriangleMesh& points, const Neighbours& neig
   return pairs;
 }
 
-// Turns the parts that hold a given normal to agree with it, the others outward. Returns whether each point is to be turned.
+// Turns the parts that hold a given normal to agree with it, the others outward. Returns whether each point is to be
+// turned.
 std::vector<bool> Sides(const TriangleMesh& points, const std::vector<bool>& given, ParityUnionFind& sets) {
   const size_t n = points.positions.size();
   std::vector<double> votes(n, 0), volumes(n, 0);

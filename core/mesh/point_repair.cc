@@ -1,6 +1,6 @@
-// 1. what is not finite    2. duplicates, of which the first stays    3. outliers, by the distance to their neighbours in parts of what
-// that is for those    4. normals (point_normals.cc)
-// Rejected: outliers by the mean and the deviation of all distances; where density varies they are whole regions.
+// 1. what is not finite    2. duplicates, of which the first stays    3. outliers, by the distance to their neighbours
+// in parts of what that is for those    4. normals (point_normals.cc) Rejected: outliers by the mean and the deviation
+// of all distances; where density varies they are whole regions.
 #include "core/mesh/point_repair.h"
 
 #include <algorithm>
@@ -17,7 +17,8 @@ namespace {
 
 constexpr size_t kFewestPoints = 4;
 constexpr double kLargestCoordinate = 1e150;
-// An outlier's distance to its neighbours in parts of the median of theirs; a scan's density changes by less from one to the next.
+// An outlier's distance to its neighbours in parts of the median of theirs; a scan's density changes by less from one
+// to the next.
 constexpr size_t kOutlierNeighbours = 8;
 constexpr double kOutlierDistance = 6;
 constexpr size_t kGrain = 512;

@@ -22,12 +22,14 @@ struct PointRepair {
   uint64_t undecided_pairs = 0;
 };
 
-// With `change` false nothing is dropped: FailedPrecondition where something would have to be, with its place. Normals are estimated in
-// any case. InvalidArgument: fewer than 4 points are left. 3 µs a point, 10 where normals are missing. Deterministic.
+// With `change` false nothing is dropped: FailedPrecondition where something would have to be, with its place. Normals
+// are estimated in any case. InvalidArgument: fewer than 4 points are left. 3 µs a point, 10 where normals are missing.
+// Deterministic.
 absl::StatusOr<PointRepair> RepairPoints(TriangleMesh points, bool change, const Context& context);
 
-// Normals of points that have none (zero): normal to the plane that fits the nearest neighbours, on the side of neighbours that have
-// one, else outward, which is the side that encloses a volume. Returns the pairs that remained undecided.
+// Normals of points that have none (zero): normal to the plane that fits the nearest neighbours, on the side of
+// neighbours that have one, else outward, which is the side that encloses a volume. Returns the pairs that remained
+// undecided.
 absl::StatusOr<uint64_t> EstimateNormals(TriangleMesh& points, const Context& context);
 
 }  // namespace meshfront

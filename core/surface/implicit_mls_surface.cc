@@ -1,7 +1,7 @@
-// Evaluate is the one formula; everything else asks it. FindApex: the circle on which both distances are as wanted, then Newton's method
-// on its angle from the direction in which the surface goes on (FindAngle). Snap: Newton's method along the gradient (Descend), then
-// along the surface until what is left is normal to it.
-// Rejected: Newton's method for the three equations at once; it leaves the circle, and finds no more.
+// Evaluate is the one formula; everything else asks it. FindApex: the circle on which both distances are as wanted,
+// then Newton's method on its angle from the direction in which the surface goes on (FindAngle). Snap: Newton's method
+// along the gradient (Descend), then along the surface until what is left is normal to it. Rejected: Newton's method
+// for the three equations at once; it leaves the circle, and finds no more.
 #include "core/surface/implicit_mls_surface.h"
 
 #include <algorithm>
@@ -30,8 +30,8 @@ double MaxCurvatureIn(const MlsValue<2>& value) {
 
 }  // namespace
 
-// Around x as the origin, so that nothing cancels far from it. The centre n(x)·(x − a(x)) and the mean of n_i·(x − p_i) share their
-// sums.
+// Around x as the origin, so that nothing cancels far from it. The centre n(x)·(x − a(x)) and the mean of n_i·(x − p_i)
+// share their sums.
 template <int kOrder>
 MlsValue<kOrder> ImplicitMlsSurface::Evaluate(const Vec3& x, uint32_t patch) const {
   using J = Jet<kOrder>;

@@ -14,24 +14,27 @@
 
 namespace meshfront {
 
-// The function at a place, with derivatives up to the order: about the signed distance from the surface, growing outward.
+// The function at a place, with derivatives up to the order: about the signed distance from the surface, growing
+// outward.
 template <int kOrder>
 struct MlsValue {
   Jet<kOrder> f;
-  // How far to one side the samples lie: of the distance to their weighted centroid, in parts of the support, the square.
+  // How far to one side the samples lie: of the distance to their weighted centroid, in parts of the support, the
+  // square.
   Jet<kOrder> asymmetry2;
   double support = 0;  // weighted mean; 0: no sample has a say, and f is the distance from the nearest one's plane
 };
 
-// f(x) = Σ w_i ½ (n(x) + n_i)·(x − p_i) / Σ w_i, w_i = (1 − |x − p_i|²/h_i²)⁴ and n(x) the direction of Σ w_i n_i: the half with n(x) is
-// the paper's n(x)·(x − a(x)), which lies inside of a sphere by about h²/12r, the other lies outside by as much. Immutable after
-// ComputeCurvature, safe to read from many threads, deterministic. A source point's patch is that of the samples,
-// and its u is 1 on a rim.
+// f(x) = Σ w_i ½ (n(x) + n_i)·(x − p_i) / Σ w_i, w_i = (1 − |x − p_i|²/h_i²)⁴ and n(x) the direction of Σ w_i n_i: the
+// half with n(x) is the paper's n(x)·(x − a(x)), which lies inside of a sphere by about h²/12r, the other lies outside
+// by as much. Immutable after ComputeCurvature, safe to read from many threads, deterministic. A source point's patch
+// is that of the samples, and its u is 1 on a rim.
 class ImplicitMlsSurface final : public Surface {
  public:
   explicit ImplicitMlsSurface(std::unique_ptr<MlsSamples> samples);
 
-  // The largest absolute principal curvature at each sample, on the context's threads. To be called once. 3 µs a sample and core.
+  // The largest absolute principal curvature at each sample, on the context's threads. To be called once. 3 µs a sample
+  // and core.
   absl::Status ComputeCurvature(const Context& context);
 
   const MlsSamples& samples() const { return *samples_; }
@@ -52,7 +55,8 @@ class ImplicitMlsSurface final : public Surface {
   double MaxCurvatureAt(const SourcePoint& p) const override;
   // Of places that TraceRims found.
   bool IsOnBoundary(const SourcePoint& p) const override { return p.u == 1; }
-  // At places of a lattice over the triangle, by the function's value: what lies between them is smoother than the samples are dense.
+  // At places of a lattice over the triangle, by the function's value: what lies between them is smoother than the
+  // samples are dense.
   bool FindFarPlaces(const SourcePoint& start, const std::array<Vec3, 3>& triangle, double bound, double beside,
                      std::vector<FarPlace>& far, std::vector<DoubtfulPart>& doubtful) const override;
 

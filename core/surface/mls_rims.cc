@@ -1,6 +1,7 @@
-// 1. samples whose neighbours lie to one side (FindBeside)    2. from each that no curve has passed yet, outward to the rim (GoOutward)
-// 3. along it, step by step, until it closes (Follow): n × ∇ of the asymmetry leads on, Newton's method back to both zero sets.
-// Rejected: the front stops where it finds no apex; its rim is as ragged as its triangles are long.
+// 1. samples whose neighbours lie to one side (FindBeside)    2. from each that no curve has passed yet, outward to the
+// rim (GoOutward) 3. along it, step by step, until it closes (Follow): n × ∇ of the asymmetry leads on, Newton's method
+// back to both zero sets. Rejected: the front stops where it finds no apex; its rim is as ragged as its triangles are
+// long.
 #include "core/surface/mls_rims.h"
 
 #include <algorithm>

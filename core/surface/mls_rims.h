@@ -9,7 +9,8 @@
 
 namespace meshfront {
 
-// A closed curve, last place joined to first, with the surface on its right as in OrientedLoop, in steps of a part of the support.
+// A closed curve, last place joined to first, with the surface on its right as in OrientedLoop, in steps of a part of
+// the support.
 struct RimCurve {
   std::vector<SourcePoint> places;
   std::vector<double> curvatures;  // of the curve, over a support's width

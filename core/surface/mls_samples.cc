@@ -1,6 +1,7 @@
-// 1. samples in the order of a tree    2. MeasureSpacing  spacing, supports and components by the nearest neighbours
-// 3. MakePatches  the leaves of the tree, divided where normals disagree    4. ListPatches  who has a say in each
-// Rejected: a search at each evaluation; it takes as long as the evaluation. Rejected: a list for each sample; eight times the memory.
+// 1. samples in the order of a tree    2. MeasureSpacing  spacing, supports and components by the nearest neighbours 3.
+// MakePatches  the leaves of the tree, divided where normals disagree    4. ListPatches  who has a say in each
+// Rejected: a search at each evaluation; it takes as long as the evaluation. Rejected: a list for each sample; eight
+// times the memory.
 #include "core/surface/mls_samples.h"
 
 #include <algorithm>
@@ -56,8 +57,8 @@ absl::StatusOr<std::unique_ptr<MlsSamples>> MlsSamples::Create(absl::Span<const 
   return made;
 }
 
-// The square of a spacing is the area of the disc that k neighbours fill, by their number. Of neighbours on the other side of a thin sheet
-// only the others count.
+// The square of a spacing is the area of the disc that k neighbours fill, by their number. Of neighbours on the other
+// side of a thin sheet only the others count.
 absl::Status MlsSamples::MeasureSpacing(const Context& context) {
   const size_t n = samples_.size(), k = std::min<size_t>(kSpacingNeighbours, n - 1);
   std::vector<uint32_t>& neighbours = neighbours_;
@@ -152,8 +153,8 @@ void MlsSamples::FindNear(const Patch& patch, const std::vector<double>& reach, 
   std::sort(near.begin(), near.end());
 }
 
-// Those whose normals do not point the other way, and those that do but lie around an edge: not much farther along the surface, from
-// neighbour to neighbour, than a support is wide.
+// Those whose normals do not point the other way, and those that do but lie around an edge: not much farther along the
+// surface, from neighbour to neighbour, than a support is wide.
 void MlsSamples::KeepOwnSide(const Patch& patch, const std::vector<uint32_t>& near, std::vector<uint32_t>& list) const {
   const auto is_opposed = [&](uint32_t i) { return !Agree(samples_[i].normal, patch.normal); };
   if (std::none_of(near.begin(), near.end(), is_opposed)) {

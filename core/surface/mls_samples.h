@@ -1,5 +1,5 @@
-// The samples of a point set as a moving-least-squares surface needs them: with normals, supports from the local spacing, and lists of
-// those that have a say at a place.
+// The samples of a point set as a moving-least-squares surface needs them: with normals, supports from the local
+// spacing, and lists of those that have a say at a place.
 #pragma once
 
 #include <cstdint>
@@ -23,21 +23,22 @@ struct MlsSample {
 };
 static_assert(sizeof(MlsSample) == 64);  // one cache line
 
-// Immutable; safe to read from many threads; deterministic at any thread count. Samples are in an order of their own, near ones next to
-// each other. They form *patches* of up to 8 near ones whose normals agree, each with the list of samples whose supports reach its box
-// or what lies within a margin around it, but for the other side of a thin sheet: those whose normals point the other way and that no
-// short way around an edge leads to. So no
-// search is needed as long as a place stays within the margin. About 200 bytes a point.
+// Immutable; safe to read from many threads; deterministic at any thread count. Samples are in an order of their own,
+// near ones next to each other. They form *patches* of up to 8 near ones whose normals agree, each with the list of
+// samples whose supports reach its box or what lies within a margin around it, but for the other side of a thin sheet:
+// those whose normals point the other way and that no short way around an edge leads to. So no search is needed as long
+// as a place stays within the margin. About 200 bytes a point.
 class MlsSamples {
  public:
-  // As many positions as normals of unit length, no two positions the same; `radius` in local spacings, > 0. InvalidArgument: fewer than
-  // 4 points, a place or normal that is not finite. 2 µs a point and core.
+  // As many positions as normals of unit length, no two positions the same; `radius` in local spacings, > 0.
+  // InvalidArgument: fewer than 4 points, a place or normal that is not finite. 2 µs a point and core.
   static absl::StatusOr<std::unique_ptr<MlsSamples>> Create(absl::Span<const Vec3> positions,
                                                             absl::Span<const Vec3> normals, double radius,
                                                             const Context& context);
 
   absl::Span<const MlsSample> samples() const { return samples_; }
-  // The part of the surface's area that each stands for, and the distance between samples where they are as dense as there.
+  // The part of the surface's area that each stands for, and the distance between samples where they are as dense as
+  // there.
   absl::Span<const double> areas() const { return areas_; }
   double SpacingAt(uint32_t sample) const { return samples_[sample].support / radius_; }
   const Box3& box() const { return tree_->nodes()[0].box; }
@@ -47,16 +48,17 @@ class MlsSamples {
   absl::Span<const uint32_t> MembersOf(
       uint32_t patch) const;  // the first is the one whose normal the others agree with
   absl::Span<const uint32_t> ListOf(uint32_t patch) const;
-  // The patch to ask at x: `patch` where x is within its margin, else that of the nearest sample whose normal agrees with `normal`.
+  // The patch to ask at x: `patch` where x is within its margin, else that of the nearest sample whose normal agrees
+  // with `normal`.
   uint32_t PatchNear(const Vec3& x, const Vec3& normal, uint32_t patch) const;
   // The nearest sample whose normal agrees with `normal`; PointTree::kNone when none does.
   uint32_t NearestLike(const Vec3& x, const Vec3& normal) const;
   // The distance to the nearest sample whose normal points the other way, below `limit`; else +infinity.
   double DistanceToOpposed(uint32_t sample, double limit) const;
 
-  // Connected parts: samples are joined to their neighbours within their supports whose normals do not point the other way. Numbered by
-  // their first samples. Samples of parts too small for a surface are strays: their support is 0, their component kStray, and nobody's
-  // list has them.
+  // Connected parts: samples are joined to their neighbours within their supports whose normals do not point the other
+  // way. Numbered by their first samples. Samples of parts too small for a surface are strays: their support is 0,
+  // their component kStray, and nobody's list has them.
   static constexpr uint32_t kStray = 0xffffffffu;
   uint32_t stray_count() const { return stray_count_; }
   uint32_t component_count() const { return component_count_; }

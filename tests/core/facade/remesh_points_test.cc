@@ -1,4 +1,5 @@
-// Point sets through the facade: closed surfaces of the right genus, about as many triangles as predicted, the same bits again.
+// Point sets through the facade: closed surfaces of the right genus, about as many triangles as predicted, the same
+// bits again.
 #include <cmath>
 
 #include "core/remesh.h"
@@ -22,8 +23,8 @@ struct Case {
 };
 
 TEST(RemeshPoints, MakesClosedSurfacesOfTheRightGenus) {
-  const std::vector<Case> cases = {{Icosphere(4), 0}, {Torus(1, 0.4, 60, 24), 1}, {GenusThree(64), 3},
-                                   {Cube(8), 0},      {CappedCylinder(0.5, 2, 40, 20), 0},         {ThinSlab(40, 0.08), 0}};
+  const std::vector<Case> cases = {{Icosphere(4), 0}, {Torus(1, 0.4, 60, 24), 1},          {GenusThree(64), 3},
+                                   {Cube(8), 0},      {CappedCylinder(0.5, 2, 40, 20), 0}, {ThinSlab(40, 0.08), 0}};
   for (size_t i = 0; i < cases.size(); ++i) {
     CheckingSink sink;
     const auto report = RemeshPoints(Sampled(cases[i].mesh, 12000), {}, sink);
