@@ -42,6 +42,7 @@ constexpr uint64_t kHeldInAnyCase = 6000;
 // Rough ground: this share of the edges turns by more than the angle of this cosine (80°).
 constexpr double kRoughShare = 0.005, kRoughCosine = 0.17;
 constexpr int kMaxAttempts = 7, kMaxForCount = 4;
+constexpr int kMaxForPoints = 3;  // attempts at a point set: no faces can be cut loose
 // Where the front was taken back at place after place all over a large mesh, the ground is rough, and shorter edges make it no better:
 // roll-backs times triangles.
 constexpr double kMostWorkForFiner = 1e7;
@@ -61,8 +62,7 @@ constexpr double kCountPromise = 0.03;     // of the number of triangles wanted
 constexpr double kFlatRatio = 1e-12;       // radius ratio of what has no area, whatever rounding says
 constexpr size_t kMaxListedPairs = 20000;  // of an output's intersections, that are looked at
 
-Vec3 LongestAxis(const TriangleMesh& mesh) {
-  const Box3 box = BoundingBox(mesh);
+Vec3 LongestAxis(const Box3& box) {
   const Vec3 extent = box.max - box.min;
   if (extent.x >= extent.y && extent.x >= extent.z) return {1, 0, 0};
   return extent.y >= extent.z ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
@@ -71,9 +71,7 @@ Vec3 LongestAxis(const TriangleMesh& mesh) {
 // The error bound of an edge in parts of its length; with a uniform length, of that length where the surface is bent most.
 double BoundPerLength(const Preparation& p) {
   const double length = p.parameters.options.sizing == Sizing::kUniform ? p.parameter : 1;
-  const auto curvatures = p.surface->vertex_curvatures();
-  const double peak = curvatures.empty() ? 0 : *std::max_element(curvatures.begin(), curvatures.end());
-  return ErrorBoundInForce(p, length, peak) / length;
+  return ErrorBoundInForce(p, length, p.PeakCurvature()) / length;
 }
 
 // `passes_sharp_edges`: there are some, and no creases.
@@ -89,7 +87,7 @@ FrontOptions FrontOptionsOf(const Preparation& p, bool passes_sharp_edges) {
           .bound_per_length = BoundPerLength(p),
           .predicted_triangles = predicted,
           .max_triangles = most,
-          .sweep = LongestAxis(p.surface->mesh()),
+          .sweep = LongestAxis(p.Box()),
           .max_error = o.sizing == Sizing::kError ? p.parameter : std::numeric_limits<double>::infinity(),
           .max_insertions = p.parameters.target_triangles > 0 ? kInsertionsForCount * p.predicted_triangles
                                                               : std::numeric_limits<double>::infinity(),
@@ -106,6 +104,7 @@ bool WasSoup(const Preparation& p) {
 
 uint64_t HeldLimit(const Preparation& p, bool may_fail) {
   if (p.region) return std::numeric_limits<uint64_t>::max();  // what is close to the rest can only be seen so
+  if (p.points) return kHeldTriangles;
   if (may_fail) return std::max(kHeldTriangles, kHeldPerFace * p.surface->mesh().triangles.size());
   const uint64_t wanted = p.parameters.target_triangles;
   const uint64_t for_count = wanted <= kHeldInAnyCase ? wanted + wanted / 2 : 0;
@@ -144,7 +143,8 @@ std::array<Vec3, 3> CornersOf(const TriangleMesh& mesh, const Triangle& t) {
 }
 
 bool HasOtherTopology(const FrontReport& front, const Preparation& p) {
-  if (p.region || !front.open_places.empty() || front.pinched_vertices > 0) return false;  // it can't be told
+  if (p.region || p.points || !front.open_places.empty() || front.pinched_vertices > 0)
+    return false;  // it can't be told
   return HasOtherTopology(TopologyOf(front), p.input.topology);
 }
 
@@ -153,7 +153,7 @@ absl::Status FindIntersections(TriangleMesh mesh, const Preparation& p, double b
                                const Context& context) {
   const size_t own = mesh.triangles.size();
   if (p.region) AddFacesAround(*p.region, mesh);
-  const MeshSurface& input = p.region ? *p.region->around : *p.surface;
+  const Surface& input = p.region ? *p.region->around : p.any_surface();
   MESHFRONT_ASSIGN_OR_RETURN(const SelfIntersections found, FindSelfIntersections(mesh, kMaxListedPairs, context));
   attempt.intersections.clear();
   for (const auto& [f, g] : found.first_pairs) {
@@ -173,25 +173,30 @@ void FindFlatTriangles(const TriangleMesh& mesh, Attempt& attempt) {
   }
 }
 
+// Patches of this cut become components of the whole, whose numbers stay.
+void NameWholeComponents(const MeshSurface& surface, std::vector<HeldPiece>& pieces) {
+  for (HeldPiece& piece : pieces) {
+    for (OutputVertex& v : piece.vertices) v.sheet = surface.WholeComponentOf(v.sheet);
+  }
+}
+
 absl::StatusOr<Attempt> MakeAttempt(const Preparation& p, bool looks_closely, bool passes_sharp_edges,
                                     HoldingSink& held, const Context& context) {
   const FrontOptions options = FrontOptionsOf(p, passes_sharp_edges);
   Attempt attempt;
   MESHFRONT_ASSIGN_OR_RETURN(attempt.front,
-                             AdvanceFront(*p.surface, *p.field, p.loops, p.seeds, options, held, context));
+                             AdvanceFront(p.any_surface(), *p.field, p.loops, p.seeds, options, held, context));
   attempt.parameters = p.parameters;
   attempt.parameter = p.parameter;
   attempt.intersections = attempt.front.spread_intersections;
   attempt.has_other_topology = HasOtherTopology(attempt.front, p);
   if (held.is_passing()) return attempt;
   attempt.pieces = held.Take();
-  for (HeldPiece& piece : attempt.pieces) {
-    for (OutputVertex& v : piece.vertices) v.sheet = p.surface->WholeComponentOf(v.sheet);
-  }
+  if (!p.points) NameWholeComponents(*p.surface, attempt.pieces);
   const TriangleMesh mesh = MeshOf(attempt.pieces);
   attempt.bound =
       std::isfinite(options.max_error) ? options.max_error : options.bound_per_length * attempt.front.longest_edge;
-  if (p.builder->HasCloseSheets() || looks_closely)
+  if (p.points || p.builder->HasCloseSheets() || looks_closely)
     MESHFRONT_RETURN_IF_ERROR(FindIntersections(mesh, p, attempt.bound, attempt, context));
   FindFlatTriangles(mesh, attempt);
   return attempt;
@@ -246,21 +251,48 @@ absl::Status PutOwnFacesIn(const Preparation& p, Attempt& best, const Context& c
   return absl::OkStatus();
 }
 
-// Edges half as long around the faults mend rims and creases that lie close to something. Not where an edge must be longer than the
-// input's: those faults stay.
+// What the next attempt does otherwise, from what is lost at large to what is wrong at places. Edges half as long around the faults mend
+// rims and creases that lie close to something. Not where an edge must be longer than the input's: those faults stay.
 class Remedy {
  public:
-  // Prepares the next attempt.
-  absl::Status Apply(const std::vector<Vec3>& places, bool is_rough, std::optional<uint64_t> count, Preparation& p,
-                     const Context& context) {
+  explicit Remedy(const Preparation& p) : may_keep_creases_(!p.points && !p.parameters.options.crease_angle) {}
+
+  bool may_keep_creases() const { return may_keep_creases_; }
+  bool keeps_creases() const { return keeps_creases_; }
+
+  // Prepares the next attempt. False: there is none that could be better.
+  absl::StatusOr<bool> Apply(const Attempt& last, const std::vector<Vec3>& places, bool is_rough,
+                             std::optional<uint64_t> count, Preparation& p, const Context& context) {
+    const bool is_faulty = last.fault_count() > 0;
+    if (is_faulty && std::exchange(may_keep_creases_, false)) {
+      MESHFRONT_ASSIGN_OR_RETURN(keeps_creases_,
+                                 CutAlongCreases(kCreaseAngleOfNeed * std::numbers::pi / 180, p, context));
+      if (keeps_creases_) return IsPrepared({}, count, p, context);
+    }
+    if (places.size() > kMostFaults || last.has_other_topology) {
+      if (p.points || p.parameters.options.eta <= kGentleEta) return false;
+      GradeGently(p);
+      return IsPrepared({}, count, p, context);
+    }
     const bool is_finer = !is_rough && finer_++ < kFinerAttempts;
-    if (places.empty() || is_finer || p.parameters.options.min_edge) return PrepareAgain(places, count, p, context);
+    if (places.empty() || is_finer || p.points || p.parameters.options.min_edge)
+      return IsPrepared(places, count, p, context);
     MESHFRONT_RETURN_IF_ERROR(CutFacesLoose(places, reach_, p, context));
     reach_ *= 2;
-    return PrepareAgain({}, count, p, context);
+    return IsPrepared({}, count, p, context);
   }
 
  private:
+  // Not where so few triangles, or so many, can't be made.
+  static absl::StatusOr<bool> IsPrepared(absl::Span<const Vec3> finer_at, std::optional<uint64_t> count, Preparation& p,
+                                         const Context& context) {
+    const absl::Status prepared = PrepareAgain(finer_at, count, p, context);
+    if (absl::IsInvalidArgument(prepared)) return false;
+    MESHFRONT_RETURN_IF_ERROR(prepared);
+    return true;
+  }
+
+  bool may_keep_creases_, keeps_creases_ = false;
   int finer_ = 0;  // attempts with shorter edges
   double reach_ = kLooseReach;
 };
@@ -297,47 +329,33 @@ TopologyReport TopologyOf(const FrontReport& front) {
 }
 
 absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& p, MeshSink& sink, const Context& context) {
-  MESHFRONT_ASSIGN_OR_RETURN(const bool is_close, DoCurvesLieClose(*p.surface, p.loops, context));
-  const bool is_rough = IsRough(*p.surface);
-  bool may_keep_creases = !p.parameters.options.crease_angle, keeps_creases = false;
+  bool is_close = p.points != nullptr;  // sheets of samples may
+  if (!p.points) {
+    MESHFRONT_ASSIGN_OR_RETURN(is_close, DoCurvesLieClose(*p.surface, p.loops, context));
+  }
+  const bool is_rough = !p.points && IsRough(*p.surface);
   HoldingSink held(sink, HeldLimit(p, is_close || is_rough || WasSoup(p)));
   const uint64_t wanted = p.parameters.target_triangles;
   Attempt best;
-  Remedy remedy;
+  Remedy remedy(p);
   for (int number = 1;; ++number) {
     MESHFRONT_ASSIGN_OR_RETURN(Attempt attempt, MakeAttempt(p, is_rough || p.region || number > 1,
-                                                            is_rough && may_keep_creases, held, context));
-    attempt.keeps_creases = keeps_creases;
+                                                            is_rough && remedy.may_keep_creases(), held, context));
+    attempt.keeps_creases = remedy.keeps_creases();
     if (held.is_passing()) return attempt;
     held.HoldAll();  // the next may be larger, and worse: at most what max_triangles allows
-    const std::vector<Vec3> places = attempt.Faults();
-    const bool is_faulty = attempt.fault_count() > 0;
     const bool is_off = CountErrorOf(attempt, wanted) > kCountPromise;
-    const double work = static_cast<double>(attempt.front.roll_backs) * static_cast<double>(attempt.front.triangles);
-    const std::optional<uint64_t> count = NextCount(p, attempt, wanted);
+    const bool is_good = attempt.fault_count() == 0 && (!is_off || number >= kMaxForCount);
+    bool goes_on = !is_good && number < (p.points ? kMaxForPoints : kMaxAttempts);
+    if (goes_on) {
+      const double work = static_cast<double>(attempt.front.roll_backs) * static_cast<double>(attempt.front.triangles);
+      MESHFRONT_ASSIGN_OR_RETURN(goes_on, remedy.Apply(attempt, attempt.Faults(), is_rough || work > kMostWorkForFiner,
+                                                       NextCount(p, attempt, wanted), p, context));
+    }
     if (number == 1 || IsBetter(attempt, best, wanted)) best = std::move(attempt);
-    if (!is_faulty && (!is_off || number >= kMaxForCount)) break;
-    if (number == kMaxAttempts) break;
-    if (is_faulty && std::exchange(may_keep_creases, false)) {
-      MESHFRONT_ASSIGN_OR_RETURN(keeps_creases,
-                                 CutAlongCreases(kCreaseAngleOfNeed * std::numbers::pi / 180, p, context));
-      if (keeps_creases) {
-        MESHFRONT_RETURN_IF_ERROR(PrepareAgain({}, count, p, context));
-        continue;
-      }
-    }
-    const bool is_lost = places.size() > kMostFaults || (is_faulty && places.empty());
-    if (is_lost && p.parameters.options.eta > kGentleEta) {
-      GradeGently(p);
-      MESHFRONT_RETURN_IF_ERROR(PrepareAgain({}, count, p, context));
-      continue;
-    }
-    if (is_lost) break;
-    const absl::Status prepared = remedy.Apply(places, is_rough || work > kMostWorkForFiner, count, p, context);
-    if (absl::IsInvalidArgument(prepared)) break;  // so few, or so many, can't be made
-    MESHFRONT_RETURN_IF_ERROR(prepared);
+    if (!goes_on) break;
   }
-  if (best.fault_count() > 0 && best.front.triangles > 0 && !p.parameters.options.min_edge && !p.region)
+  if (best.fault_count() > 0 && best.front.triangles > 0 && !p.parameters.options.min_edge && !p.region && !p.points)
     MESHFRONT_RETURN_IF_ERROR(PutOwnFacesIn(p, best, context));
   held.PutBack(std::exchange(best.pieces, {}));
   MESHFRONT_RETURN_IF_ERROR(held.Release());

@@ -19,10 +19,13 @@
 #include "core/features/attribute_seams.h"
 #include "core/features/boundary.h"
 #include "core/features/creases.h"
+#include "core/features/rim_loops.h"
 #include "core/features/seams.h"
 #include "core/field_builder.h"
 #include "core/guidance/sizing.h"
 #include "core/mesh/repair_slivers.h"
+#include "core/point_preparation.h"
+#include "core/preparation_steps.h"
 #include "core/region_selection.h"
 
 namespace meshfront {
@@ -46,31 +49,17 @@ constexpr double kSagittaPerMaxError = 0.9;
 // g where the mesh is made again, in parts of what it was.
 constexpr double kFinerPerGuidance = 0.5;
 
-class Stopwatch {
- public:
-  double Lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-    return seconds;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
+}  // namespace
 
 double ScaleFor(double diagonal) {
   if (!(diagonal > 0) || (diagonal >= kMinDiagonal && diagonal <= kMaxDiagonal)) return 1;
   return std::ldexp(1.0, -std::ilogb(diagonal));
 }
 
+namespace {
+
 absl::Status Mend(TriangleMesh& mesh, const RemeshOptions& options, bool is_region, InputReport& report,
                   std::optional<FaceAdjacency>& adjacency, const Context& context) {
-  if (mesh.triangles.empty()) {
-    return absl::FailedPreconditionError(
-        absl::StrCat("the input is a point set (", mesh.positions.size(),
-                     " points and no triangles); meshing point sets is not supported yet"));
-  }
   if (!options.repair) return RequireManifold(mesh);
   MESHFRONT_ASSIGN_OR_RETURN(RepairResult repaired, is_region ? RepairMeshAsOriented(std::move(mesh), context)
                                                               : RepairMesh(std::move(mesh), context));
@@ -128,6 +117,8 @@ absl::StatusOr<std::unique_ptr<MeshSurface>> MakeSurface(TriangleMesh mesh, std:
   return MeshSurface::Create(std::move(mesh), *std::move(adjacency), creases, context);
 }
 
+}  // namespace
+
 absl::Status SetClamps(const RemeshOptions& options, absl::Span<const double> component_diagonals, Preparation& p) {
   const double diagonal = p.input.diagonal * p.scale;
   const double smallest = *std::min_element(component_diagonals.begin(), component_diagonals.end());
@@ -144,6 +135,8 @@ absl::Status SetClamps(const RemeshOptions& options, absl::Span<const double> co
   }
   return absl::OkStatus();
 }
+
+namespace {
 
 // The sizing's one parameter, absolute and in the surface's scale.
 double ParameterOf(const RemeshOptions& options, const Preparation& p) {
@@ -169,8 +162,10 @@ void SetParameter(double parameter, const Preparation& p, RemeshOptions& options
 
 // The field at the parameter that is in force, or for a number of triangles.
 absl::Status SetField(const std::optional<uint64_t>& count, Preparation& p, const Context& context) {
-  absl::StatusOr<SizedField> sized =
-      count ? p.builder->BuildForCount(*count, context) : p.builder->Build(p.parameter, context);
+  const auto build = [&](auto& builder) {
+    return count ? builder.BuildForCount(*count, context) : builder.Build(p.parameter, context);
+  };
+  absl::StatusOr<SizedField> sized = p.point_builder ? build(*p.point_builder) : build(*p.builder);
   if (!sized.ok()) return sized.status();
   p.parameter = sized->parameter;
   p.predicted_triangles = sized->predicted_triangles;
@@ -181,6 +176,8 @@ absl::Status SetField(const std::optional<uint64_t>& count, Preparation& p, cons
   return absl::OkStatus();
 }
 
+}  // namespace
+
 absl::Status MakeField(Preparation& p, const Context& context) {
   RemeshOptions& options = p.parameters.options;
   const SizingLimits limits{options.sizing,
@@ -190,12 +187,17 @@ absl::Status MakeField(Preparation& p, const Context& context) {
                             options.max_edge.has_value(),
                             p.region ? p.input.diagonal * p.scale : 0,
                             p.region ? &*p.region->blend : nullptr};
-  p.builder = std::make_unique<FieldBuilder>(*p.surface, limits);
+  if (p.points)
+    p.point_builder = std::make_unique<PointFieldBuilder>(*p.points, p.rims, limits);
+  else
+    p.builder = std::make_unique<FieldBuilder>(*p.surface, limits);
   const std::optional<uint64_t> count = std::exchange(options.target_triangles, std::nullopt);
   p.parameters.target_triangles = count.value_or(0);
   if (!count) p.parameter = ParameterOf(options, p);
   return SetField(count, p, context);
 }
+
+namespace {
 
 // How far from a region another sheet matters.
 double ReachAround(const RemeshOptions& options, double diagonal) {
@@ -285,6 +287,14 @@ double MaxSagitta(const Preparation& p) {
 
 }  // namespace
 
+double Preparation::PeakCurvature() const {
+  if (points) return point_builder->peak_curvature();
+  const auto curvatures = surface->vertex_curvatures();
+  return curvatures.empty() ? 0 : *std::max_element(curvatures.begin(), curvatures.end());
+}
+
+Box3 Preparation::Box() const { return points ? points->samples().box() : BoundingBox(surface->mesh()); }
+
 double ErrorBoundInForce(const Preparation& p, double length, double max_curvature) {
   switch (p.parameters.options.sizing) {
     case Sizing::kError:  // unless edges may not be so short
@@ -323,11 +333,11 @@ absl::StatusOr<RepairResult> RepairInputOfRegion(TriangleMesh mesh, const Contex
 
 absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {
   MESHFRONT_RETURN_IF_ERROR(ValidateOptions(problem.options));
+  if (IsMeshedAsPoints(problem)) return PreparePoints(std::move(problem), context);
   const RemeshOptions options = problem.options;
   Preparation p;
   p.parameters.options = options;
   Stopwatch watch;
-  p.input.is_point_set = problem.mesh.IsPointSet();
   if (!options.attributes) problem.mesh.attributes = {};
   MESHFRONT_RETURN_IF_ERROR(ValidateAttributes(problem.mesh.attributes, problem.mesh.triangles.size()));
   if (problem.region) p.drops_attributes = !std::exchange(problem.mesh.attributes, {}).empty();
@@ -359,9 +369,15 @@ absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {
 
 absl::Status PrepareAgain(absl::Span<const Vec3> finer_at, std::optional<uint64_t> count, Preparation& p,
                           const Context& context) {
-  for (const Vec3& place : finer_at)
-    p.builder->AddSample({place, kFinerPerGuidance * p.parameters.options.eta * p.field->At(place)});
+  for (const Vec3& place : finer_at) {
+    const SizingSample sample{place, kFinerPerGuidance * p.parameters.options.eta * p.field->At(place)};
+    p.points ? p.point_builder->AddSample(sample) : p.builder->AddSample(sample);
+  }
   MESHFRONT_RETURN_IF_ERROR(SetField(count, p, context));
+  if (p.points) {
+    p.loops = RimLoops(*p.points, p.rims, *p.field);
+    return absl::OkStatus();
+  }
   MESHFRONT_ASSIGN_OR_RETURN(p.loops, BoundaryLoops(*p.surface, *p.field, MaxSagitta(p), context));
   return absl::OkStatus();
 }

@@ -4,14 +4,18 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "core/field_builder.h"
 #include "core/guidance/guidance_field.h"
+#include "core/point_field.h"
 #include "core/region_parts.h"
 #include "core/remesh.h"
+#include "core/surface/implicit_mls_surface.h"
 #include "core/surface/mesh_surface.h"
+#include "core/surface/mls_rims.h"
 #include "core/surface/oriented_loop.h"
 
 namespace meshfront {
@@ -21,11 +25,14 @@ struct Preparation {
   ParametersInForce parameters;
   std::unique_ptr<RegionParts> region;     // none: the surface is that of all
   std::optional<RegionReport> everything;  // where a region was asked for that is all of the mesh
-  std::unique_ptr<MeshSurface> surface;    // of what is to be meshed
+  std::unique_ptr<MeshSurface> surface;    // of what is to be meshed; null for a point set
   MeshAttributes attributes;               // of the surface's faces; none with a region
   bool has_flat_normals = false;           // the attribute's are those of flat faces
   bool drops_attributes = false;           // there were some, and a region
   std::unique_ptr<FieldBuilder> builder;
+  std::unique_ptr<ImplicitMlsSurface> points;  // of a point set; null for a mesh
+  std::unique_ptr<PointFieldBuilder> point_builder;
+  std::vector<RimCurve> rims;  // of the point set
   std::optional<GuidanceField> field;
   std::vector<OrientedLoop> loops;
   std::vector<SourcePoint> seeds;
@@ -33,6 +40,12 @@ struct Preparation {
   double predicted_triangles = 0;
   double scale = 1;  // the surface is the input times this power of two
   StageSeconds seconds;
+  std::vector<std::string> warnings;  // of the input
+
+  const Surface& any_surface() const { return points ? static_cast<const Surface&>(*points) : *surface; }
+  // The largest curvature anywhere, and the box of the surface.
+  double PeakCurvature() const;
+  Box3 Box() const;
 };
 
 // The error bound of eq. 7 for edges of `length` at the parameters in force: with the angle in force, so that a uniform length is

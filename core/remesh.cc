@@ -24,6 +24,7 @@ namespace {
 
 constexpr uint64_t kMinTargetTriangles = 4;  // a tetrahedron
 constexpr double kMaxBlend = 1000;
+constexpr double kMinMlsRadius = 2, kMaxMlsRadius = 16;
 
 using Clock = std::chrono::steady_clock;
 
@@ -195,6 +196,27 @@ void ReportRegion(Preparation& p, const FrontReport& front, Report& report) {
                                          " anywhere; options.repair = false would have refused the mesh"));
 }
 
+// Lengths of the predicted edges, g at the faces' centroids or at the samples, each with about how many triangles it will be of; and the
+// error bound of the worst.
+std::vector<std::pair<double, double>> PredictedLengths(const Preparation& p, double& bound) {
+  if (p.points) {
+    auto lengths = p.point_builder->Lengths(*p.field);
+    for (const auto& entry : lengths) bound = std::max(bound, ErrorBoundInForce(p, entry.first, p.PeakCurvature()));
+    return lengths;
+  }
+  const TriangleMesh& mesh = p.surface->mesh();
+  std::vector<std::pair<double, double>> lengths;
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3 &a = mesh.PositionAt(t[0]), &b = mesh.PositionAt(t[1]), &c = mesh.PositionAt(t[2]);
+    const double g = p.field->At((a + b + c) / 3.0), weight = TriangleArea(a, b, c) / (g * g);
+    lengths.push_back({g, weight});
+    double peak = 0;
+    for (const VertexId v : t) peak = std::max(peak, p.surface->vertex_curvatures()[v.index()]);
+    bound = std::max(bound, ErrorBoundInForce(p, g, peak));
+  }
+  return lengths;
+}
+
 }  // namespace
 
 absl::Status ValidateOptions(const RemeshOptions& o) {
@@ -211,6 +233,10 @@ absl::Status ValidateOptions(const RemeshOptions& o) {
   if (!(o.blend >= 0 && o.blend <= kMaxBlend)) {
     return absl::InvalidArgumentError(
         absl::StrCat("options.blend is ", o.blend, "; it must be in [0, ", kMaxBlend, "]"));
+  }
+  if (!(o.mls_radius >= kMinMlsRadius && o.mls_radius <= kMaxMlsRadius)) {
+    return absl::InvalidArgumentError(absl::StrCat("options.mls_radius is ", o.mls_radius, "; it must be in [",
+                                                   kMinMlsRadius, ", ", kMaxMlsRadius, "]"));
   }
   MESHFRONT_RETURN_IF_ERROR(CheckLength("max_error", o.max_error));
   MESHFRONT_RETURN_IF_ERROR(CheckLength("edge_length", o.edge_length));
@@ -241,9 +267,8 @@ absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& co
   report.input = p.input;
   report.parameters = p.parameters;
   report.predicted_triangles = predicted;
-  const auto curvatures = p.surface->vertex_curvatures();
-  const double peak = curvatures.empty() ? 0 : *std::max_element(curvatures.begin(), curvatures.end());
-  report.error_bound = ErrorBoundInForce(p, front.longest_edge, peak);
+  report.warnings = p.warnings;
+  report.error_bound = ErrorBoundInForce(p, front.longest_edge, p.PeakCurvature());
   report.output = joined ? MeasureTopology(joined->sent()) : TopologyOf(front);
   const bool is_whole_region = joined && !p.region->patch_only && front.open_places.empty();
   const bool has_other_topology =
@@ -281,19 +306,9 @@ absl::StatusOr<Estimate> EstimateRemesh(Problem problem, const Context& context)
   estimate.input = p.input;
   estimate.parameters = p.parameters;
   estimate.predicted_triangles = static_cast<uint64_t>(std::min(p.predicted_triangles, 1e18));
-  // Lengths of the predicted edges: g at the faces' centroids, weighted by how many triangles each face will get.
-  const TriangleMesh& mesh = p.surface->mesh();
-  std::vector<std::pair<double, double>> lengths;  // g, weight
-  double total = 0, bound = 0;
-  for (const Triangle& t : mesh.triangles) {
-    const Vec3 &a = mesh.PositionAt(t[0]), &b = mesh.PositionAt(t[1]), &c = mesh.PositionAt(t[2]);
-    const double g = p.field->At((a + b + c) / 3.0), weight = TriangleArea(a, b, c) / (g * g);
-    lengths.push_back({g, weight});
-    total += weight;
-    double peak = 0;
-    for (const VertexId v : t) peak = std::max(peak, p.surface->vertex_curvatures()[v.index()]);
-    bound = std::max(bound, ErrorBoundInForce(p, g, peak));
-  }
+  double bound = 0, total = 0;
+  std::vector<std::pair<double, double>> lengths = PredictedLengths(p, bound);
+  for (const auto& entry : lengths) total += entry.second;
   std::sort(lengths.begin(), lengths.end());
   estimate.edge_min = kMedianEdgePerGuidance * lengths.front().first / p.scale;
   estimate.edge_max = lengths.back().first / p.scale;
@@ -306,8 +321,10 @@ absl::StatusOr<Estimate> EstimateRemesh(Problem problem, const Context& context)
   estimate.error_bound = bound / p.scale;
   estimate.parameters.min_edge /= p.scale;
   estimate.parameters.max_edge /= p.scale;
-  constexpr uint64_t kBytesPerInputTriangle = 200, kFixedBytes = 32 << 20;  // measured peaks, rounded up
-  estimate.memory_bytes = kFixedBytes + kBytesPerInputTriangle * p.input.topology.triangles;
+  constexpr uint64_t kBytesPerInputTriangle = 200, kBytesPerPoint = 400,
+                     kFixedBytes = 32 << 20;  // measured peaks, rounded up
+  estimate.memory_bytes = kFixedBytes + (p.points ? kBytesPerPoint * p.points->samples().samples().size()
+                                                  : kBytesPerInputTriangle * p.input.topology.triangles);
   return estimate;
 } catch (const std::exception&) {
   return StatusOfException();

@@ -22,6 +22,10 @@ namespace meshfront {
 // than the centre of curvature is (sec. 6).
 enum class Sizing { kAngle, kError, kUniform, kThickness };
 
+// How the input is understood: as it is; as a mesh; or, which makes a point set of a mesh, by a moving-least-squares surface, the one
+// that projects on fitted polynomials (not yet) or the implicit one.
+enum class SurfaceKind { kAuto, kMesh, kMls, kImls };
+
 // A length, absolute (in the units of the input) or relative to the diagonal of its bounding box.
 struct Length {
   double value = 0;
@@ -52,7 +56,9 @@ struct RemeshOptions {
   bool fit = true;     // vertices moved along the normal to fit the surface between them
   // Carry the mesh's attributes over, and cut the surface along their seams (features/attribute_seams.h).
   bool attributes = true;
-  bool repair = true;  // mend the input first, each change reported; false: refuse what would need it
+  SurfaceKind surface = SurfaceKind::kAuto;
+  double mls_radius = 4;  // radius of a sample's weight in local spacings, [2, 16]; of point sets
+  bool repair = true;     // mend the input first, each change reported; false: refuse what would need it
 };
 // InvalidArgument naming the field, the value and the rule, e.g. "options.eta is 2.5; it must be in (1, 2)".
 absl::Status ValidateOptions(const RemeshOptions& options);
@@ -66,7 +72,7 @@ absl::StatusOr<RepairResult> RepairInput(TriangleMesh mesh, const RemeshOptions&
 absl::StatusOr<RepairResult> RepairInputOfRegion(TriangleMesh mesh, const Context& context);
 
 struct Problem {
-  TriangleMesh mesh;  // as read; consumed
+  TriangleMesh mesh;  // as read, or without triangles a point set; consumed
   RemeshOptions options;
   // The part to remesh; none: all of it. The faces beside it come back with the bits of their coordinates and their cyclic order, before
   // the new ones; the vertices on its border stay, and are joined to both. Repairs, of the whole, leave slivers and the direction of
@@ -76,7 +82,7 @@ struct Problem {
 
 struct InputReport {
   bool is_point_set = false;
-  TopologyReport topology;            // of the mesh after repair
+  TopologyReport topology;            // of the mesh after repair; of a point set vertices and components only
   std::vector<RepairAction> repairs;  // what was changed
   double diagonal = 0;                // of the bounding box
 };

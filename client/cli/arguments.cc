@@ -46,7 +46,7 @@ constexpr Range kRho{0, 2 * std::numbers::pi / 3, false, true, "a number in (0, 
 constexpr Range kEta{1, 2, false, false, "a number in (1, 2)"};
 constexpr Range kPositive{0, kInfinity, false, false, "a positive, finite number"};
 constexpr Range kBlend{0, 1000, true, true, "a number in [0, 1000]"};
-constexpr Range kMlsRadius{0, 100, false, true, "a number in (0, 100]"};
+constexpr Range kMlsRadius{2, 16, true, true, "a number in [2, 16]"};
 constexpr Range kCreaseAngle{0, 180, false, false, "off or a number of degrees in (0, 180)"};
 
 absl::StatusOr<double> ParseNumber(absl::string_view flag, absl::string_view text, const Range& range) {
@@ -204,8 +204,7 @@ absl::Status CheckSizingFlags(const MeshingFlags& flags, v1::Sizing sizing) {
 
 absl::Status CheckBuilt(const MeshingFlags& flags) {
   if (flags.features) return NotYet("--features");
-  if (flags.surface == "mls" || flags.surface == "imls") return NotYet(absl::StrCat("--surface ", *flags.surface));
-  if (flags.mls_radius) return NotYet("--mls-radius");
+  if (flags.surface == "mls") return NotYet("--surface mls");
   if (!flags.seed_points.empty()) return NotYet("--seed-point");
   return absl::OkStatus();
 }
@@ -294,6 +293,11 @@ absl::StatusOr<v1::RemeshOptions> ParseMeshingFlags(const MeshingFlags& flags) {
   }
   if (flags.attributes == "drop") options.set_attributes(v1::ATTRIBUTE_POLICY_DROP);
   if (flags.surface == "mesh") options.set_surface(v1::SURFACE_TYPE_MESH);
+  if (flags.surface == "imls") options.set_surface(v1::SURFACE_TYPE_IMLS);
+  if (flags.mls_radius) {
+    MESHFRONT_ASSIGN_OR_RETURN(const double radius, ParseNumber("--mls-radius", *flags.mls_radius, kMlsRadius));
+    options.set_mls_radius(radius);
+  }
   return options;
 }
 

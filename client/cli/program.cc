@@ -49,14 +49,14 @@ void AddMeshingFlags(CLI::App* command, MeshingFlags* flags) {
                       "edges that turn by more degrees than this stay sharp, or off: none does [40]");
   command->add_option("--attributes", flags->attributes,
                       "keep, drop: UV, normals, colours, materials, …; their seams become feature curves [keep]");
-  command->add_option("--surface", flags->surface, "auto, mesh; mls and imls: not yet [auto]");
+  command->add_option("--surface", flags->surface, "auto, mesh, imls; mls: not yet [auto]");
   command->add_option("--features", flags->features, "extra feature polylines (not yet)");
   command->add_option("--region", flags->region,
                       "remesh only the faces inside sphere:x,y,z,r or box:x0,y0,z0,x1,y1,z1, or faces:FILE (numbers "
                       "from 0, one a line)");
   command->add_option("--blend", flags->blend,
                       "width of the size transition at the region's border, in edges of the border [8]");
-  command->add_option("--mls-radius", flags->mls_radius, "support radius of MLS surfaces (not yet)");
+  command->add_option("--mls-radius", flags->mls_radius, "radius of a point's weight in local spacings, 2 to 16 [4]");
   command->add_option("--seed-point", flags->seed_points, "a point near an intersection curve (not yet)");
 }
 

@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "absl/container/flat_hash_map.h"
 #include "absl/strings/escaping.h"
 #include "core/base/status_macros.h"
 #include "core/io/gltf_asset.h"
@@ -118,14 +117,15 @@ class PlyWriter {
  public:
   PlyWriter(const TriangleMesh& mesh, Output& output) : mesh_(mesh), a_(mesh.attributes), output_(output) {}
 
+  // A vertex has one value of each channel: those that have several anywhere have no place, and the mesh stays closed.
   void Write(std::vector<std::string>& left_out) {
-    SplitVertices();
+    ChooseWedges();
     output_.Text("ply\nformat binary_little_endian 1.0\ncomment Meshfront\nelement vertex ");
-    output_.Number(uint64_t{vertices_.size()});
+    output_.Number(uint64_t{mesh_.positions.size()});
     output_.Text("\nproperty double x\nproperty double y\nproperty double z\n");
     uint32_t offset = 0;
     for (const AttributeChannel& c : a_.channels) {
-      const std::vector<std::string> names = PlyNames(c);
+      const std::vector<std::string> names = HasSeams(offset, c.components) ? std::vector<std::string>() : PlyNames(c);
       const bool is_byte = c.name == "COLOR_0";
       if (names.empty()) Note(left_out, c.name);
       for (size_t i = 0; i < names.size(); ++i) {
@@ -136,31 +136,34 @@ class PlyWriter {
     }
     output_.Text("element face "), output_.Number(uint64_t{mesh_.triangles.size()});
     output_.Text("\nproperty list uchar uint vertex_indices\nend_header\n");
-    for (const auto& [vertex, wedge] : vertices_) WriteVertex(vertex, wedge);
-    for (const CornerWedges& t : triangles_) output_.Raw(uint8_t{3}), output_.Raw(t);
+    for (uint32_t v = 0; v < mesh_.positions.size(); ++v) WriteVertex(v);
+    for (const Triangle& t : mesh_.triangles) output_.Raw(uint8_t{3}), output_.Raw(t);
     if (!a_.groups.empty()) Note(left_out, "materials");
   }
 
  private:
-  void SplitVertices() {
-    absl::flat_hash_map<uint64_t, uint32_t> number;
-    for (size_t f = 0; f < mesh_.triangles.size(); ++f) {
-      CornerWedges out;
+  void ChooseWedges() {
+    wedges_.assign(mesh_.positions.size(), kNone);
+    others_.clear();
+    for (size_t f = 0; f < a_.corners.size(); ++f) {
       for (int i = 0; i < 3; ++i) {
-        const uint32_t vertex = mesh_.triangles[f][i].index(), wedge = a_.corners.empty() ? 0 : a_.corners[f][i];
-        const auto [at, is_new] =
-            number.try_emplace(uint64_t{vertex} << 32 | wedge, static_cast<uint32_t>(vertices_.size()));
-        if (is_new) vertices_.push_back({vertex, wedge});
-        out[i] = at->second;
+        uint32_t& wedge = wedges_[mesh_.triangles[f][i].index()];
+        if (wedge == kNone) wedge = a_.corners[f][i];
+        if (wedge != a_.corners[f][i]) others_.push_back({wedge, a_.corners[f][i]});
       }
-      triangles_.push_back(out);
     }
   }
+  bool HasSeams(uint32_t offset, uint32_t components) const {
+    return std::any_of(others_.begin(), others_.end(), [&](const auto& pair) {
+      return a_.WedgeAt(pair.first).subspan(offset, components) != a_.WedgeAt(pair.second).subspan(offset, components);
+    });
+  }
 
-  void WriteVertex(uint32_t vertex, uint32_t wedge) {
+  void WriteVertex(uint32_t vertex) {
     output_.Raw(mesh_.positions[vertex]);
+    const uint32_t wedge = wedges_[vertex];
     for (const auto& [offset, is_byte] : properties_) {
-      const float value = a_.WedgeAt(wedge)[offset];
+      const float value = wedge == kNone ? 0 : a_.WedgeAt(wedge)[offset];
       if (is_byte)
         output_.Raw(static_cast<uint8_t>(std::lround(255 * std::clamp(value, 0.0f, 1.0f))));
       else
@@ -171,8 +174,9 @@ class PlyWriter {
   const TriangleMesh& mesh_;
   const MeshAttributes& a_;
   Output& output_;
-  std::vector<std::pair<uint32_t, uint32_t>> vertices_;
-  std::vector<CornerWedges> triangles_;
+  static constexpr uint32_t kNone = 0xffffffffu;
+  std::vector<uint32_t> wedges_;                       // of each vertex, its first one
+  std::vector<std::pair<uint32_t, uint32_t>> others_;  // … and another that it has at a seam
   std::vector<std::pair<uint32_t, bool>> properties_;
 };
 

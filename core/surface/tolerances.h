@@ -65,4 +65,24 @@ inline constexpr double kPassesPerCoarser = 1.5, kMaxPasses = 64;
 // A vertex's curvature in parts of the average around it, at most.
 inline constexpr double kMostPerAverage = 2.0;
 
+// Of point sets: fewest samples; neighbours that tell how far apart samples are; fewest samples of a part; cosines of normals within one patch, and of a sample
+// that a place with some normal may belong to; and how far a patch answers for around its samples, in parts of their supports.
+inline constexpr size_t kLeastMlsSamples = 4, kSpacingNeighbours = 12, kLeastComponent = 12;
+inline constexpr double kSamePatch = 0.5, kLikeNormal = 0.0, kPatchMargin = 0.25;
+// Neighbours are on one sheet when the cosine between their normals is above this (an edge of 32° between its faces still is one), and
+// opposed samples belong together when the way from one to the other is at most so many supports long.
+inline constexpr double kLinked = -0.85, kMostWayPerSupport = 1.5;
+// Of the support: a step of Newton's method below this is the last, as the next would be its square; and of the residual, how far its
+// tangential part may be from a foot's.
+inline constexpr double kLastMlsStep = 1e-4, kFootResidual = 1e-2;
+inline constexpr int kMaxMlsSteps = 12, kMaxFootRounds = 3;
+// Of an angle on the circle of an apex, when the last step is taken; and the longest step.
+inline constexpr double kLastCircleStep = 1e-6, kLongestCircleStep = 0.4;
+// Curvatures in parts of 1 / support, at most: what bends more than around a spacing is between the samples, and nobody's.
+inline constexpr double kMostCurvaturePerSupport = 4;
+// Sides of a triangle are divided in so many where the surface of a point set is compared with it.
+inline constexpr int kFarLattice = 4;
+// The data end where the centroid of what has a say lies this part of the support beside the place: at a straight end it is 0.235, among
+// samples at random the chance of 0.35 is below 1e-9.
+inline constexpr double kOutside = 0.35;
 }  // namespace meshfront::surface_tolerances

@@ -17,7 +17,7 @@ namespace {
 using google::protobuf::FieldDescriptor;
 
 // In the contract from the start, so that clients keep; refused by their path until they are built.
-constexpr absl::string_view kNotYet[] = {"features", "mls_radius"};
+constexpr absl::string_view kNotYet[] = {"features"};
 
 bool IsNotYet(absl::string_view field) {
   return std::find(std::begin(kNotYet), std::end(kNotYet), field) != std::end(kNotYet);
@@ -35,7 +35,6 @@ absl::Status RefuseNotYet(const v1::RemeshOptions& o) {
     if (IsNotYet(field->name())) return NotYet(absl::StrCat("options.", field->name()));
   }
   if (o.surface() == v1::SURFACE_TYPE_MLS) return NotYet("options.surface SURFACE_TYPE_MLS");
-  if (o.surface() == v1::SURFACE_TYPE_IMLS) return NotYet("options.surface SURFACE_TYPE_IMLS");
   return absl::OkStatus();
 }
 
@@ -124,6 +123,33 @@ v1::Sizing SizingToProto(Sizing sizing) {
   return v1::SIZING_ANGLE;
 }
 
+SurfaceKind SurfaceFromProto(v1::SurfaceType surface) {
+  switch (surface) {
+    case v1::SURFACE_TYPE_MESH:
+      return SurfaceKind::kMesh;
+    case v1::SURFACE_TYPE_MLS:
+      return SurfaceKind::kMls;
+    case v1::SURFACE_TYPE_IMLS:
+      return SurfaceKind::kImls;
+    default:
+      return SurfaceKind::kAuto;
+  }
+}
+
+v1::SurfaceType SurfaceToProto(SurfaceKind surface) {
+  switch (surface) {
+    case SurfaceKind::kMesh:
+      return v1::SURFACE_TYPE_MESH;
+    case SurfaceKind::kMls:
+      return v1::SURFACE_TYPE_MLS;
+    case SurfaceKind::kImls:
+      return v1::SURFACE_TYPE_IMLS;
+    case SurfaceKind::kAuto:
+      break;
+  }
+  return v1::SURFACE_TYPE_AUTO;
+}
+
 absl::StatusOr<Length> LengthFromProto(const v1::Length& proto, absl::string_view path) {
   if (proto.value_case() == v1::Length::VALUE_NOT_SET) {
     return absl::InvalidArgumentError(absl::StrCat(path, " is empty; it must hold absolute or diagonal_fraction"));
@@ -165,6 +191,8 @@ absl::StatusOr<RemeshOptions> ToCore(const v1::RemeshOptions& proto) {
     MESHFRONT_ASSIGN_OR_RETURN(o.crease_angle, CreaseFromProto(proto.crease()));
   }
   if (proto.has_blend()) o.blend = proto.blend();
+  o.surface = SurfaceFromProto(proto.surface());
+  if (proto.has_mls_radius()) o.mls_radius = proto.mls_radius();
   if (proto.has_flips()) o.flips = proto.flips();
   if (proto.has_smooth()) o.smooth = proto.smooth();
   if (proto.has_fit()) o.fit = proto.fit();
@@ -224,7 +252,8 @@ v1::RemeshOptions OptionsToProto(const RemeshOptions& o) {
     proto.mutable_crease()->set_off(true);
   proto.set_attributes(o.attributes ? v1::ATTRIBUTE_POLICY_KEEP : v1::ATTRIBUTE_POLICY_DROP);
   proto.set_blend(o.blend);
-  proto.set_surface(v1::SURFACE_TYPE_AUTO);
+  proto.set_surface(SurfaceToProto(o.surface));
+  proto.set_mls_radius(o.mls_radius);
   proto.set_flips(o.flips);
   proto.set_smooth(o.smooth);
   proto.set_fit(o.fit);

@@ -113,6 +113,13 @@ TEST(MeshingFlags, RefuseContradictions) {
   EXPECT_THAT(Parse({.min_edge = "2%", .max_edge = "1%"}), StatusIs(kInvalid, "--min-edge is larger"));
 }
 
+TEST(MeshingFlags, CarryTheSurfaceOfAPointSet) {
+  const absl::StatusOr<v1::RemeshOptions> options = ParseMeshingFlags({.surface = "imls", .mls_radius = "3.5"});
+  ASSERT_THAT(options, IsOk());
+  EXPECT_EQ(options->surface(), v1::SURFACE_TYPE_IMLS);
+  EXPECT_EQ(options->mls_radius(), 3.5);
+}
+
 TEST(MeshingFlags, ACreaseAngleIsDegrees) {
   EXPECT_EQ(ParseMeshingFlags({.crease_angle = "25.5"})->crease().angle_degrees(), 25.5);
   EXPECT_THAT(Parse({.crease_angle = "180"}), StatusIs(kInvalid, "--crease-angle is 180"));
@@ -148,8 +155,7 @@ TEST(MeshingFlags, FacesAreNumbersOneALine) {
 }
 
 TEST(MeshingFlags, SayNotYetInsteadOfIgnoring) {
-  const std::vector<MeshingFlags> not_built = {
-      {.features = "f.obj"}, {.surface = "mls"}, {.surface = "imls"}, {.mls_radius = "4"}, {.seed_points = {"0,0,0"}}};
+  const std::vector<MeshingFlags> not_built = {{.features = "f.obj"}, {.surface = "mls"}, {.seed_points = {"0,0,0"}}};
   for (const MeshingFlags& flags : not_built) EXPECT_THAT(Parse(flags), StatusIs(kInvalid, "not yet"));
 }
 

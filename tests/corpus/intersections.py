@@ -18,6 +18,8 @@ import math
 import sys
 
 Mesh = collections.namedtuple("Mesh", "points faces")
+# Bytes of a number in a PLY file.
+SIZES = {"uchar": 1, "ushort": 2, "uint": 4, "float": 4, "double": 8}
 
 
 def read_ply(path):
@@ -26,7 +28,7 @@ def read_ply(path):
 
 
 def read_parts(path):
-    """(points, faces) of a binary little-endian PLY of coordinates and triangles alone, as meshfront writes it."""
+    """(points, faces) of a binary little-endian PLY of triangles, as meshfront writes it. Vertices may have more than coordinates."""
     data = path.read_bytes()
     end = data.index(b"end_header\n") + len(b"end_header\n")
     header = data[:end].decode("ascii").splitlines()
@@ -34,11 +36,17 @@ def read_parts(path):
         raise ValueError(f"{path.name} is no little-endian PLY")
     sizes = {line.split()[1]: int(line.split()[2]) for line in header if line.startswith("element ")}
     kinds = [line.split()[1] for line in header if line.startswith("property ") and "list" not in line]
-    if kinds not in (["float"] * 3, ["double"] * 3) or not any(line.startswith("property list uchar ") for line in header):
-        raise ValueError(f"{path.name} has more than coordinates and triangles")
+    lists = [line for line in header if line.startswith("property list ")]
+    if kinds[:3] not in (["float"] * 3, ["double"] * 3) or not set(kinds) <= set(SIZES) or \
+            len(lists) != 1 or not lists[0].startswith("property list uchar "):
+        raise ValueError(f"{path.name} has more than coordinates, numbers and triangles")
     numbers = array.array("d" if kinds[0] == "double" else "f")
-    middle = end + sizes["vertex"] * 3 * numbers.itemsize
-    numbers.frombytes(data[end:middle])
+    stride, position = sum(SIZES[kind] for kind in kinds), 3 * numbers.itemsize
+    middle = end + sizes["vertex"] * stride
+    vertices = data[end:middle]
+    if stride != position:
+        vertices = b"".join(vertices[at:at + position] for at in range(0, len(vertices), stride))
+    numbers.frombytes(vertices)
     points = list(zip(numbers[0::3], numbers[1::3], numbers[2::3]))
     corners = array.array("i")
     for at in range(middle, middle + 13 * sizes["face"], 13):

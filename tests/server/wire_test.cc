@@ -78,11 +78,22 @@ TEST(OptionsFromProto, KeepsCreasesFromFortyDegreesOnUnlessToldOtherwise) {
               HasSubstr("options.crease.angle_degrees is 180; it must be in (0, 180)"));
 }
 
+TEST(OptionsFromProto, CarriesTheSurfaceOfAPointSetBothWays) {
+  v1::RemeshOptions proto;
+  proto.set_surface(v1::SURFACE_TYPE_IMLS), proto.set_mls_radius(3);
+  const auto options = OptionsFromProto(proto);
+  ASSERT_TRUE(options.ok()) << options.status();
+  EXPECT_EQ(options->surface, SurfaceKind::kImls);
+  EXPECT_EQ(OptionsToProto(*options).surface(), v1::SURFACE_TYPE_IMLS);
+  EXPECT_EQ(OptionsToProto(*options).mls_radius(), 3);
+  proto.set_mls_radius(17);
+  EXPECT_EQ(OptionsFromProto(proto).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
 TEST(OptionsFromProto, RefusesWhatIsNotBuiltYetByItsPath) {
-  std::vector<v1::RemeshOptions> cases(3);
-  cases[0].set_mls_radius(4);
-  cases[1].mutable_features()->set_point_count(1);
-  cases[2].set_surface(v1::SURFACE_TYPE_IMLS);
+  std::vector<v1::RemeshOptions> cases(2);
+  cases[0].mutable_features()->set_point_count(1);
+  cases[1].set_surface(v1::SURFACE_TYPE_MLS);
   for (const v1::RemeshOptions& proto : cases) {
     const absl::Status status = OptionsFromProto(proto).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << proto.DebugString();

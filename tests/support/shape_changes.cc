@@ -1,4 +1,5 @@
 // Copies, maps and cuts of meshes (the "Changed" part of shapes.h).
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -148,6 +149,31 @@ TriangleMesh Rotated(TriangleMesh mesh, const Vec3& axis, double angle) {
 TriangleMesh Reversed(TriangleMesh mesh) {
   for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
   return mesh;
+}
+
+TriangleMesh Sampled(const TriangleMesh& mesh, size_t count, uint64_t seed) {
+  std::mt19937_64 random(seed);
+  const auto unit = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+  std::vector<double> areas;  // summed up
+  std::vector<Vec3> normals;
+  double total = 0;
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3 ab = mesh.PositionAt(t[1]) - mesh.PositionAt(t[0]), ac = mesh.PositionAt(t[2]) - mesh.PositionAt(t[0]);
+    areas.push_back(total += Norm(Cross(ab, ac)));
+    normals.push_back(Normalized(Cross(ab, ac)));
+  }
+  TriangleMesh points;
+  for (size_t i = 0; i < count; ++i) {
+    const auto f =
+        static_cast<size_t>(std::upper_bound(areas.begin(), areas.end() - 1, total * unit()) - areas.begin());
+    double u = unit(), v = unit();
+    if (u + v > 1) u = 1 - u, v = 1 - v;
+    const Triangle& t = mesh.triangles[f];
+    points.positions.push_back((1 - u - v) * mesh.PositionAt(t[0]) + u * mesh.PositionAt(t[1]) +
+                               v * mesh.PositionAt(t[2]));
+    points.normals.push_back(normals[f]);
+  }
+  return points;
 }
 
 TriangleMesh WithNoise(TriangleMesh mesh, double amplitude, uint64_t seed) {

@@ -106,6 +106,8 @@ TriangleMesh WithNoise(TriangleMesh mesh, double amplitude, uint64_t seed);
 TriangleMesh Permuted(const TriangleMesh& mesh, uint64_t seed);
 // Vertices that no triangle uses are dropped; the others are numbered in the order of their first use.
 TriangleMesh WithoutUnreferenced(const TriangleMesh& mesh);
+// A point set: `count` places at random on the mesh, evenly spread by area, with the normals of their faces.
+TriangleMesh Sampled(const TriangleMesh& mesh, size_t count, uint64_t seed = 1);
 // Every triangle with three vertices of its own, as an STL file holds it.
 TriangleMesh Soup(const TriangleMesh& mesh);
 

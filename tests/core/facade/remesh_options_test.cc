@@ -78,9 +78,9 @@ TEST(RemeshOptions, AreCheckedByTheFacadeItself) {
               StatusIs(kInvalid, "options.rho is -1"));
 }
 
-TEST(RemeshInput, MustHaveATriangle) {
+TEST(RemeshInput, MustHaveATriangleOrAFewPoints) {
   CollectingSink sink;
-  EXPECT_THAT(Remesh({}, sink, {}), StatusIs(absl::StatusCode::kFailedPrecondition, "no triangles"));
+  EXPECT_THAT(Remesh({}, sink, {}), StatusIs(kInvalid, "the point set has 0 points; it must have at least 4"));
 }
 
 TEST(RemeshInput, IsRefusedWithThePlaceWhenItMayNotBeRepaired) {

@@ -1,0 +1,134 @@
+// 1. what is not finite    2. duplicates, of which the first stays    3. outliers, by the distance to their neighbours
+// in parts of what that is for those    4. normals (point_normals.cc) Rejected: outliers by the mean and the deviation
+// of all distances; where density varies they are whole regions.
+#include "core/mesh/point_repair.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
+#include "core/geometry/point_tree.h"
+
+namespace meshfront {
+namespace {
+
+constexpr size_t kFewestPoints = 4;
+constexpr double kLargestCoordinate = 1e150;
+// An outlier's distance to its neighbours in parts of the median of theirs; a scan's density changes by less from one
+// to the next.
+constexpr size_t kOutlierNeighbours = 8;
+constexpr double kOutlierDistance = 6;
+constexpr size_t kGrain = 512;
+constexpr double kUnitSlack = 1e-12;  // of a squared length: such normals keep their bits
+
+void Keep(TriangleMesh& points, const std::vector<bool>& keep) {
+  size_t at = 0;
+  for (size_t i = 0; i < points.positions.size(); ++i) {
+    if (!keep[i]) continue;
+    points.positions[at] = points.positions[i];
+    if (!points.normals.empty()) points.normals[at] = points.normals[i];
+    ++at;
+  }
+  points.positions.resize(at);
+  if (!points.normals.empty()) points.normals.resize(at);
+}
+
+std::vector<bool> FiniteOnes(const TriangleMesh& points) {
+  std::vector<bool> keep;
+  for (const Vec3& x : points.positions) {
+    keep.push_back(IsFinite(x) && std::max({std::abs(x.x), std::abs(x.y), std::abs(x.z)}) <= kLargestCoordinate);
+  }
+  return keep;
+}
+
+std::vector<bool> FirstOnes(const TriangleMesh& points) {
+  std::vector<uint32_t> order(points.positions.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const auto key = [&](uint32_t i) {
+    const Vec3& x = points.positions[i];
+    return std::array<double, 3>{x.x + 0.0, x.y + 0.0, x.z + 0.0};
+  };
+  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+    const auto x = key(a), y = key(b);
+    return x != y ? x < y : a < b;
+  });
+  std::vector<bool> keep(order.size(), true);
+  for (size_t i = 1; i < order.size(); ++i)
+    if (key(order[i]) == key(order[i - 1])) keep[order[i]] = false;
+  return keep;
+}
+
+absl::StatusOr<std::vector<bool>> Inliers(const TriangleMesh& points, const Context& context) {
+  const size_t n = points.positions.size(), k = std::min(kOutlierNeighbours, n - 1);
+  const PointTree tree(points.positions);
+  std::vector<double> distances(n);
+  std::vector<uint32_t> neighbours(n * k);
+  MESHFRONT_RETURN_IF_ERROR(ParallelFor(n, kGrain, context, [&](size_t begin, size_t end) {
+    std::vector<std::pair<double, uint32_t>> found;
+    for (size_t i = begin; i < end; ++i) {
+      tree.FindNearest(points.positions[i], k + 1, found);
+      size_t at = 0;
+      for (const auto& [distance, j] : found) {
+        if (j != i && at < k) neighbours[i * k + at++] = j, distances[i] += std::sqrt(distance);
+      }
+    }
+  }));
+  std::vector<bool> keep(n);
+  std::vector<double> theirs(k);
+  for (size_t i = 0; i < n; ++i) {
+    for (size_t at = 0; at < k; ++at) theirs[at] = distances[neighbours[i * k + at]];
+    std::nth_element(theirs.begin(), theirs.begin() + static_cast<std::ptrdiff_t>(k / 2), theirs.end());
+    keep[i] = distances[i] <= kOutlierDistance * theirs[k / 2];
+  }
+  return keep;
+}
+
+// Drops what is not to be kept, or refuses to.
+absl::Status Drop(const std::vector<bool>& keep, const std::string& what, bool change, PointRepair& result) {
+  const auto first = std::find(keep.begin(), keep.end(), false);
+  if (first == keep.end()) return absl::OkStatus();
+  const auto count = static_cast<uint64_t>(std::count(keep.begin(), keep.end(), false));
+  if (!change) {
+    return absl::FailedPreconditionError(absl::StrCat("point ", first - keep.begin(), ", the first of ", count,
+                                                      ", would have to go (", what, "), and repair is off"));
+  }
+  Keep(result.points, keep);
+  result.actions.push_back({what, count});
+  if (result.points.positions.size() >= kFewestPoints) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat("the point set has ", result.points.positions.size(),
+                                                 " usable points; it must have at least ", kFewestPoints));
+}
+
+}  // namespace
+
+absl::StatusOr<PointRepair> RepairPoints(TriangleMesh points, bool change, const Context& context) {
+  PointRepair result;
+  result.points = std::move(points);
+  if (result.points.positions.size() < kFewestPoints) {
+    return absl::InvalidArgumentError(absl::StrCat("the point set has ", result.points.positions.size(),
+                                                   " points; it must have at least ", kFewestPoints));
+  }
+  MESHFRONT_RETURN_IF_ERROR(Drop(FiniteOnes(result.points), "dropped_non_finite_points", change, result));
+  MESHFRONT_RETURN_IF_ERROR(Drop(FirstOnes(result.points), "dropped_duplicate_points", change, result));
+  if (change) {
+    MESHFRONT_ASSIGN_OR_RETURN(const std::vector<bool> inliers, Inliers(result.points, context));
+    MESHFRONT_RETURN_IF_ERROR(Drop(inliers, "dropped_outliers", change, result));
+  }
+  TriangleMesh& kept = result.points;
+  if (kept.normals.size() != kept.positions.size()) kept.normals.assign(kept.positions.size(), Vec3{});
+  uint64_t missing = 0;
+  for (Vec3& n : kept.normals) {
+    if (!IsFinite(n)) n = {};
+    if (std::abs(SquaredNorm(n) - 1) > kUnitSlack) n = Normalized(n);
+    missing += n == Vec3{};
+  }
+  if (missing == 0) return result;
+  MESHFRONT_ASSIGN_OR_RETURN(result.undecided_pairs, EstimateNormals(kept, context));
+  result.actions.push_back({"estimated_normals", missing});
+  return result;
+}
+
+}  // namespace meshfront

@@ -1,0 +1,35 @@
+// Repair of point sets: what is no sample of a surface is dropped, and normals that are missing are estimated.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/base/context.h"
+#include "core/mesh/repair.h"
+#include "core/mesh/triangle_mesh.h"
+
+namespace meshfront {
+
+struct PointRepair {
+  TriangleMesh points;  // in the order of the input, with unit normals
+  // dropped_non_finite_points   a coordinate is not finite or beyond ±1e150
+  // dropped_duplicate_points    at the place of an earlier one
+  // dropped_outliers            far from all others, for how far those are from each other
+  // estimated_normals           of the plane through the neighbours, turned to agree with them, or outward
+  std::vector<RepairAction> actions;
+  // Pairs of neighbours whose normals, as estimated, point apart: where it is not clear which side is which.
+  uint64_t undecided_pairs = 0;
+};
+
+// With `change` false nothing is dropped: FailedPrecondition where something would have to be, with its place. Normals
+// are estimated in any case. InvalidArgument: fewer than 4 points are left. 3 µs a point, 10 where normals are missing.
+// Deterministic.
+absl::StatusOr<PointRepair> RepairPoints(TriangleMesh points, bool change, const Context& context);
+
+// Normals of points that have none (zero): normal to the plane that fits the nearest neighbours, on the side of
+// neighbours that have one, else outward, which is the side that encloses a volume. Returns the pairs that remained
+// undecided.
+absl::StatusOr<uint64_t> EstimateNormals(TriangleMesh& points, const Context& context);
+
+}  // namespace meshfront

@@ -1,0 +1,122 @@
+// 1. CheckKind    2. repair: what is no sample goes, and normals that are missing are estimated    3. the surface,
+// scaled as meshes are 4. the field    5. a seed in each connected part
+#include "core/point_preparation.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
+#include "core/features/rim_loops.h"
+#include "core/mesh/point_repair.h"
+#include "core/preparation_steps.h"
+
+namespace meshfront {
+namespace {
+
+constexpr int kLeastOfASurface = 12;
+
+absl::Status CheckKind(const Problem& problem) {
+  const SurfaceKind kind = problem.options.surface;
+  if (kind == SurfaceKind::kMesh) {
+    return absl::InvalidArgumentError(absl::StrCat("options.surface is mesh; the input is a point set of ",
+                                                   problem.mesh.positions.size(), " points and no triangles"));
+  }
+  if (kind == SurfaceKind::kMls)
+    return absl::InvalidArgumentError("options.surface is mls; projection MLS is not yet built, imls is");
+  if (!problem.mesh.IsPointSet()) {
+    return absl::InvalidArgumentError(
+        "options.surface is imls and the input has triangles; meshes as point sets are not yet built");
+  }
+  if (problem.region) {
+    return absl::InvalidArgumentError(
+        "options.region is set and the input is a point set; only a part of a mesh can be remeshed alone");
+  }
+  return absl::OkStatus();
+}
+
+std::vector<double> ComponentDiagonals(const MlsSamples& samples) {
+  std::vector<Box3> boxes(samples.component_count());
+  for (uint32_t i = 0; i < samples.samples().size(); ++i) {
+    if (samples.ComponentOf(i) != MlsSamples::kStray)
+      boxes[samples.ComponentOf(i)].Extend(samples.samples()[i].position);
+  }
+  std::vector<double> diagonals;
+  for (const Box3& box : boxes) diagonals.push_back(box.Diagonal());
+  return diagonals;
+}
+
+}  // namespace
+
+bool IsMeshedAsPoints(const Problem& problem) {
+  return problem.mesh.IsPointSet() || problem.options.surface == SurfaceKind::kMls ||
+         problem.options.surface == SurfaceKind::kImls;
+}
+
+absl::StatusOr<Preparation> PreparePoints(Problem problem, const Context& context) {
+  MESHFRONT_RETURN_IF_ERROR(CheckKind(problem));
+  const RemeshOptions options = problem.options;
+  Preparation p;
+  p.parameters.options = options;
+  p.parameters.options.surface = SurfaceKind::kImls;
+  p.input.is_point_set = true;
+  Stopwatch watch;
+  context.Report({Stage::kRepair});
+  MESHFRONT_ASSIGN_OR_RETURN(PointRepair repaired, RepairPoints(std::move(problem.mesh), options.repair, context));
+  p.input.repairs = std::move(repaired.actions);
+  if (repaired.undecided_pairs > 0) {
+    p.warnings.push_back(absl::StrCat("normals were estimated; at ", repaired.undecided_pairs,
+                                      " pairs of neighbours it is not clear which side of the surface is outside"));
+  }
+  TriangleMesh& points = repaired.points;
+  p.input.diagonal = BoundingBox(points).Diagonal();
+  p.scale = ScaleFor(p.input.diagonal);
+  if (p.scale != 1) {
+    for (Vec3& x : points.positions) x *= p.scale;
+  }
+  p.seconds.repair = watch.Lap();
+
+  context.Report({Stage::kIndex});
+  MESHFRONT_ASSIGN_OR_RETURN(std::unique_ptr<MlsSamples> samples,
+                             MlsSamples::Create(points.positions, points.normals, options.mls_radius, context));
+  if (samples->component_count() == 0) {
+    return absl::FailedPreconditionError(absl::StrCat("the ", points.positions.size(),
+                                                      " points are no samples of a surface: no ", kLeastOfASurface,
+                                                      " of them lie beside each other with normals that agree"));
+  }
+  if (samples->stray_count() > 0) p.input.repairs.push_back({"ignored_stray_points", samples->stray_count()});
+  p.input.topology.vertices = points.positions.size() - samples->stray_count();
+  p.input.topology.components = samples->component_count();
+  points = {};
+  MESHFRONT_RETURN_IF_ERROR(SetClamps(options, ComponentDiagonals(*samples), p));
+  p.points = std::make_unique<ImplicitMlsSurface>(std::move(samples));
+  p.seconds.index = watch.Lap();
+
+  context.Report({Stage::kCurvature});
+  MESHFRONT_RETURN_IF_ERROR(p.points->ComputeCurvature(context));
+  p.seconds.curvature = watch.Lap();
+
+  MESHFRONT_ASSIGN_OR_RETURN(RimCurves rims, TraceRims(*p.points, context));
+  p.rims = std::move(rims.curves);
+  p.input.topology.boundary_loops = p.rims.size();
+  if (rims.lost > 0) {
+    p.warnings.push_back(absl::StrCat("at ", rims.lost,
+                                      " places where the points end the rim of the surface could not ", "be followed"));
+  }
+
+  context.Report({Stage::kGuidance});
+  MESHFRONT_RETURN_IF_ERROR(MakeField(p, context));
+  p.seconds.guidance = watch.Lap();
+
+  context.Report({Stage::kFeatures});
+  p.loops = RimLoops(*p.points, p.rims, *p.field);
+  std::vector<SourcePoint> seeds = p.points->Seeds();
+  for (uint32_t c = 0; c < seeds.size(); ++c) {
+    if (std::none_of(p.rims.begin(), p.rims.end(), [&](const RimCurve& rim) { return rim.component == c; }))
+      p.seeds.push_back(seeds[c]);
+  }
+  p.seconds.features = watch.Lap();
+  return p;
+}
+
+}  // namespace meshfront

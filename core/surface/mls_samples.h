@@ -1,0 +1,96 @@
+// The samples of a point set as a moving-least-squares surface needs them: with normals, supports from the local
+// spacing, and lists of those that have a say at a place.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/types/span.h"
+#include "core/base/context.h"
+#include "core/geometry/box.h"
+#include "core/geometry/point_tree.h"
+#include "core/geometry/vec3.h"
+#include "core/mesh/union_find.h"
+
+namespace meshfront {
+
+struct MlsSample {
+  Vec3 position, normal;  // unit length
+  double support = 0;     // the radius of its weight; 0: it has none
+  double inverse_squared_support = 0;
+};
+static_assert(sizeof(MlsSample) == 64);  // one cache line
+
+// Immutable; safe to read from many threads; deterministic at any thread count. Samples are in an order of their own,
+// near ones next to each other. They form *patches* of up to 8 near ones whose normals agree, each with the list of
+// samples whose supports reach its box or what lies within a margin around it, but for the other side of a thin sheet:
+// those whose normals point the other way and that no short way around an edge leads to. So no search is needed as long
+// as a place stays within the margin. About 200 bytes a point.
+class MlsSamples {
+ public:
+  // As many positions as normals of unit length, no two positions the same; `radius` in local spacings, > 0.
+  // InvalidArgument: fewer than 4 points, a place or normal that is not finite. 2 µs a point and core.
+  static absl::StatusOr<std::unique_ptr<MlsSamples>> Create(absl::Span<const Vec3> positions,
+                                                            absl::Span<const Vec3> normals, double radius,
+                                                            const Context& context);
+
+  absl::Span<const MlsSample> samples() const { return samples_; }
+  // The part of the surface's area that each stands for, and the distance between samples where they are as dense as
+  // there.
+  absl::Span<const double> areas() const { return areas_; }
+  double SpacingAt(uint32_t sample) const { return samples_[sample].support / radius_; }
+  const Box3& box() const { return tree_->nodes()[0].box; }
+
+  uint32_t patch_count() const { return static_cast<uint32_t>(patches_.size()); }
+  uint32_t PatchOf(uint32_t sample) const { return patch_of_[sample]; }
+  absl::Span<const uint32_t> MembersOf(
+      uint32_t patch) const;  // the first is the one whose normal the others agree with
+  absl::Span<const uint32_t> ListOf(uint32_t patch) const;
+  // The patch to ask at x: `patch` where x is within its margin, else that of the nearest sample whose normal agrees
+  // with `normal`.
+  uint32_t PatchNear(const Vec3& x, const Vec3& normal, uint32_t patch) const;
+  // The nearest sample whose normal agrees with `normal`; PointTree::kNone when none does.
+  uint32_t NearestLike(const Vec3& x, const Vec3& normal) const;
+  // The distance to the nearest sample whose normal points the other way, below `limit`; else +infinity.
+  double DistanceToOpposed(uint32_t sample, double limit) const;
+
+  // Connected parts: samples are joined to their neighbours within their supports whose normals do not point the other
+  // way. Numbered by their first samples. Samples of parts too small for a surface are strays: their support is 0,
+  // their component kStray, and nobody's list has them.
+  static constexpr uint32_t kStray = 0xffffffffu;
+  uint32_t stray_count() const { return stray_count_; }
+  uint32_t component_count() const { return component_count_; }
+  uint32_t ComponentOf(uint32_t sample) const { return components_[sample]; }
+
+ private:
+  struct Patch {
+    Box3 box;
+    Vec3 normal;
+    double margin = 0;
+    uint32_t first_member = 0, member_count = 0;
+    uint64_t first_listed = 0;
+    uint32_t listed_count = 0;
+  };
+  MlsSamples() = default;
+  absl::Status MeasureSpacing(const Context& context);
+  void NumberComponents(UnionFind& sets);
+  void MakePatches();
+  void FindNear(const Patch& patch, const std::vector<double>& reach, std::vector<uint32_t>& near) const;
+  void KeepOwnSide(const Patch& patch, const std::vector<uint32_t>& near, std::vector<uint32_t>& list) const;
+  absl::Status ListPatches(const Context& context);
+
+  double radius_ = 0;
+  std::vector<MlsSample> samples_;
+  std::vector<Vec3> positions_;  // the same, as the tree wants them
+  std::vector<double> areas_;
+  std::unique_ptr<PointTree> tree_;
+  std::vector<Patch> patches_;
+  std::vector<uint32_t> patch_of_, members_, lists_, components_;
+  std::vector<uint32_t> neighbours_;  // of each sample, while it is made
+  size_t neighbours_each_ = 0;
+  uint32_t component_count_ = 0, stray_count_ = 0;
+};
+
+}  // namespace meshfront

@@ -1,0 +1,156 @@
+// Point sets through the facade: closed surfaces of the right genus, about as many triangles as predicted, the same
+// bits again.
+#include <cmath>
+
+#include "core/remesh.h"
+#include "tests/support/checking_sink.h"
+#include "tests/support/matchers.h"
+#include "tests/support/shapes.h"
+
+namespace meshfront::testing {
+namespace {
+
+absl::StatusOr<Report> RemeshPoints(TriangleMesh points, const RemeshOptions& options, CheckingSink& sink,
+                                    int threads = 1) {
+  Context context;
+  context.threads = threads;
+  return Remesh({std::move(points), options}, sink, context);
+}
+
+struct Case {
+  TriangleMesh mesh;
+  int genus;
+};
+
+TEST(RemeshPoints, MakesClosedSurfacesOfTheRightGenus) {
+  const std::vector<Case> cases = {{Icosphere(4), 0}, {Torus(1, 0.4, 60, 24), 1},          {GenusThree(64), 3},
+                                   {Cube(8), 0},      {CappedCylinder(0.5, 2, 40, 20), 0}, {ThinSlab(40, 0.08), 0}};
+  for (size_t i = 0; i < cases.size(); ++i) {
+    CheckingSink sink;
+    const auto report = RemeshPoints(Sampled(cases[i].mesh, 12000), {}, sink);
+    ASSERT_THAT(report, IsOk()) << i;
+    EXPECT_TRUE(report->complete) << i;
+    EXPECT_THAT(sink.mesh(), IsClosedManifold()) << i;
+    EXPECT_EQ(MeasureTopology(sink.mesh()).genus, cases[i].genus) << i;
+    EXPECT_EQ(report->output.genus, cases[i].genus) << i;
+    EXPECT_THAT(sink.mesh(), HasNoSelfIntersection()) << i;
+    EXPECT_GE(report->quality.radius_ratio_p0_5, 0.75) << i;
+    EXPECT_TRUE(report->input.is_point_set);
+    EXPECT_EQ(report->input.topology.components, 1u);
+    sink.CheckEnd();
+    EXPECT_TRUE(sink.complaints().empty()) << sink.complaints().front();
+  }
+}
+
+TEST(RemeshPoints, FindsEveryPart) {
+  CheckingSink sink;
+  const auto report = RemeshPoints(Sampled(TwoSpheres(4), 8000), {}, sink);
+  ASSERT_THAT(report, IsOk());
+  EXPECT_THAT(sink.mesh(), IsClosedManifold());
+  EXPECT_EQ(report->output.components, 2u);
+}
+
+// One loop around each place where the samples end, which lies within a spacing or so of the rim that was sampled.
+TEST(RemeshPoints, KeepsRimsOpen) {
+  const std::vector<std::pair<TriangleMesh, int>> cases = {
+      {Hemisphere(4), 1}, {DiskWithHoles(60, 3), 4}, {OpenCylinder(1, 2, 60, 30), 2}, {WavyTerrain(40), 1}};
+  for (size_t i = 0; i < cases.size(); ++i) {
+    CheckingSink sink;
+    const auto report = RemeshPoints(Sampled(cases[i].first, 12000), {}, sink);
+    ASSERT_THAT(report, IsOk()) << i;
+    EXPECT_TRUE(report->complete) << i;
+    EXPECT_THAT(sink.mesh(), IsManifold()) << i;
+    EXPECT_THAT(sink.mesh(), HasBoundaryLoops(cases[i].second)) << i;
+    EXPECT_THAT(sink.mesh(), HasNoSelfIntersection()) << i;
+    EXPECT_EQ(report->output.genus, 0) << i;
+    EXPECT_EQ(report->input.topology.boundary_loops, cases[i].second) << i;
+    const Box3 box = BoundingBox(cases[i].first), made = BoundingBox(sink.mesh());
+    EXPECT_LE(Distance(box.min, made.min) + Distance(box.max, made.max), 0.15) << i;
+  }
+}
+
+TEST(RemeshPoints, LiesOnTheSphere) {
+  TriangleMesh points = Sampled(Icosphere(4), 8000);
+  for (size_t i = 0; i < points.positions.size(); ++i)
+    points.normals[i] = points.positions[i] = Normalized(points.positions[i]);
+  CheckingSink sink;
+  RemeshOptions options;
+  options.fit = false;
+  ASSERT_THAT(RemeshPoints(points, options, sink), IsOk());
+  for (const Vec3& x : sink.mesh().positions) EXPECT_NEAR(Norm(x), 1, 1e-3);
+}
+
+TEST(RemeshPoints, NeedsNoNormals) {
+  TriangleMesh points = Sampled(Torus(1, 0.4, 60, 24), 8000);
+  points.normals.clear();
+  CheckingSink sink;
+  const auto report = RemeshPoints(points, {}, sink);
+  ASSERT_THAT(report, IsOk());
+  EXPECT_THAT(sink.mesh(), IsClosedManifold());
+  EXPECT_EQ(report->output.genus, 1);
+  ASSERT_EQ(report->input.repairs.size(), 1u);
+  EXPECT_EQ(report->input.repairs[0].what, "estimated_normals");
+}
+
+TEST(RemeshPoints, KeepsToTheCountWanted) {
+  for (const Sizing sizing : {Sizing::kAngle, Sizing::kError, Sizing::kUniform}) {
+    RemeshOptions options;
+    options.sizing = sizing;
+    options.target_triangles = 4000;
+    CheckingSink sink;
+    const auto report = RemeshPoints(Sampled(GenusThree(64), 20000), options, sink);
+    ASSERT_THAT(report, IsOk());
+    EXPECT_NEAR(static_cast<double>(sink.mesh().triangles.size()), 4000, 120);
+    EXPECT_THAT(sink.mesh(), IsClosedManifold());
+  }
+}
+
+TEST(RemeshPoints, GivesTheSameBitsAtAnyNumberOfThreads) {
+  const TriangleMesh points = Sampled(Torus(1, 0.4, 60, 24), 6000);
+  CheckingSink one, three;
+  ASSERT_THAT(RemeshPoints(points, {}, one, 1), IsOk());
+  ASSERT_THAT(RemeshPoints(points, {}, three, 3), IsOk());
+  EXPECT_EQ(one.mesh().positions, three.mesh().positions);
+  EXPECT_EQ(one.mesh().triangles, three.mesh().triangles);
+}
+
+TEST(RemeshPoints, SaysWhatIsNotBuilt) {
+  const TriangleMesh mesh = Icosphere(2), points = Sampled(mesh, 500);
+  CheckingSink sink;
+  RemeshOptions options;
+  options.surface = SurfaceKind::kMls;
+  EXPECT_THAT(RemeshPoints(points, options, sink), StatusIs(absl::StatusCode::kInvalidArgument, "not yet"));
+  options.surface = SurfaceKind::kImls;
+  EXPECT_THAT(RemeshPoints(mesh, options, sink), StatusIs(absl::StatusCode::kInvalidArgument, "not yet"));
+  options.surface = SurfaceKind::kMesh;
+  EXPECT_THAT(RemeshPoints(points, options, sink), StatusIs(absl::StatusCode::kInvalidArgument, "no triangles"));
+  options.surface = SurfaceKind::kAuto, options.mls_radius = 1;
+  EXPECT_THAT(RemeshPoints(points, options, sink), StatusIs(absl::StatusCode::kInvalidArgument, "options.mls_radius"));
+}
+
+TEST(RemeshPoints, SaysWhenPointsAreNoSurface) {
+  TriangleMesh points;
+  for (int i = 0; i < 200; ++i) {
+    points.positions.push_back({std::cos(0.7 * i), std::sin(1.3 * i), std::sin(2.1 * i)});
+    points.normals.push_back(i % 2 == 0 ? Vec3{0, 0, 1} : Vec3{0, 0, -1});
+  }
+  CheckingSink sink;
+  const auto report = RemeshPoints(points, {}, sink);
+  EXPECT_TRUE(!report.ok() || !report->complete);
+}
+
+TEST(EstimateRemesh, PredictsTheTrianglesOfAPointSet) {
+  const TriangleMesh points = Sampled(GenusThree(64), 20000);
+  CheckingSink sink;
+  const auto report = RemeshPoints(points, {}, sink);
+  const auto estimate = EstimateRemesh({points, {}}, Context{});
+  ASSERT_THAT(report, IsOk());
+  ASSERT_THAT(estimate, IsOk());
+  EXPECT_EQ(estimate->predicted_triangles, report->predicted_triangles);
+  EXPECT_NEAR(static_cast<double>(report->predicted_triangles), static_cast<double>(report->output.triangles),
+              0.05 * static_cast<double>(report->output.triangles));
+  EXPECT_GT(estimate->edge_median, estimate->edge_min);
+}
+
+}  // namespace
+}  // namespace meshfront::testing
