@@ -30,7 +30,7 @@ std::vector<HeldPiece> PiecesOf(const std::vector<TriangleMesh>& components) {
   std::vector<Triangle> triangles;
   for (uint32_t c = 0; c < components.size(); ++c) {
     const auto first = static_cast<uint32_t>(vertices.size());
-    for (const Vec3& p : components[c].positions) vertices.push_back({p, {0, 0, 1}, c});
+    for (const Vec3& p : components[c].positions) vertices.push_back({.position = p, .normal = {0, 0, 1}, .sheet = c});
     for (const Triangle& t : components[c].triangles)
       triangles.push_back(
           {VertexId(first + t[0].index()), VertexId(first + t[1].index()), VertexId(first + t[2].index())});
