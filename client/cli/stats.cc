@@ -58,7 +58,6 @@ Json ParametersJson(const v1::ParametersInForce& parameters) {
           {"smooth", o.smooth()},
           {"fit", o.fit()},
           {"repair", o.repair()},
-          // What this version does, whatever was asked: attributes are not carried yet.
           {"crease_angle",
            o.crease().rule_case() == v1::Crease::kAngleDegrees ? Json(o.crease().angle_degrees()) : Json("off")},
           {"attributes", o.attributes() == v1::ATTRIBUTE_POLICY_KEEP ? "keep" : "drop"}};
