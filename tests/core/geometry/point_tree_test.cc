@@ -62,7 +62,9 @@ TEST(PointTree, VisitsAllWithinReachOfABox) {
       box, [](uint32_t) { return 0.1; }, [&](uint32_t i) { ++visits[i]; });
   for (size_t i = 0; i < points.size(); ++i) {
     EXPECT_LE(visits[i], 1);
-    if (box.SquaredDistanceTo(points[i]) <= 0.01) EXPECT_EQ(visits[i], 1);
+    if (box.SquaredDistanceTo(points[i]) <= 0.01) {
+      EXPECT_EQ(visits[i], 1);
+    }
   }
   EXPECT_LT(std::count(visits.begin(), visits.end(), 1), 400);
 }
