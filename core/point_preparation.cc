@@ -68,6 +68,8 @@ absl::StatusOr<Preparation> PreparePoints(Problem problem, const Context& contex
     p.warnings.push_back(absl::StrCat("normals were estimated; at ", repaired.undecided_pairs,
                                       " pairs of neighbours it is not clear which side of the surface is outside"));
   }
+  if (options.crease_angle != RemeshOptions().crease_angle)
+    p.warnings.push_back("crease_angle does nothing on point sets yet: their edges are rounded");
   TriangleMesh& points = repaired.points;
   p.input.diagonal = BoundingBox(points).Diagonal();
   p.scale = ScaleFor(p.input.diagonal);

@@ -1,6 +1,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -8,6 +9,7 @@
 #include "client/cli/input.h"
 #include "client/cli/text.h"
 #include "core/base/status_macros.h"
+#include "core/io/weld.h"
 #include "core/mesh/distance.h"
 #include "core/mesh/quality.h"
 #include "core/mesh/self_intersection.h"
@@ -25,10 +27,23 @@ struct Measures {
   std::optional<DistanceReport> distance;
 };
 
+// glTF parts vertices along seams of texture and normals; the surface is one there.
+TriangleMesh Welded(const TriangleMesh& mesh) {
+  TriangleMesh welded;
+  Welder welder(welded.positions);
+  std::vector<VertexId> to;
+  for (const Vec3& p : mesh.positions) to.push_back(welder.Add(p));
+  for (const Triangle& t : mesh.triangles)
+    welded.triangles.push_back({to[t[0].index()], to[t[1].index()], to[t[2].index()]});
+  return welded;
+}
+
 absl::StatusOr<TriangleMesh> ReadTriangles(const std::string& path, Format format) {
   MESHFRONT_ASSIGN_OR_RETURN(ReadResult read, ReadInput(path, format));
   if (read.mesh.IsPointSet()) return absl::InvalidArgumentError(absl::StrCat(path, " holds no triangles to measure"));
   PrintWarnings(read.warnings);
+  if (format == Format::kUnknown) format = FormatOfName(path);
+  if (format == Format::kGlb || format == Format::kGltf) return Welded(read.mesh);
   return std::move(read.mesh);
 }
 

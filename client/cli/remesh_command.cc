@@ -67,6 +67,7 @@ class RemeshCommand {
     MESHFRONT_RETURN_IF_ERROR(CheckWritable(out_format_));
     MESHFRONT_RETURN_IF_ERROR(CheckEndings());
     MESHFRONT_RETURN_IF_ERROR(CheckNoneCollide(Outputs()));
+    MESHFRONT_RETURN_IF_ERROR(CheckInputsStay());
     call_.output.set_scalar_type(v1::SCALAR_TYPE_FLOAT64);
     call_.output.set_normals(HoldsNormals(out_format_));
     return absl::OkStatus();
@@ -101,6 +102,19 @@ class RemeshCommand {
             {"--picture", arguments_.picture},
             {"--write-repaired", arguments_.write_repaired},
             {"--removed", arguments_.removed}};
+  }
+
+  // OUT may take the place of IN; nothing else may, nor anything that of the list of a region's faces.
+  absl::Status CheckInputsStay() const {
+    constexpr absl::string_view faces = "faces:";
+    const std::string region = arguments_.meshing.region.value_or("");
+    for (const NamedOutput& output : Outputs()) {
+      if (arguments_.in != "-" && output.name != "OUT")
+        MESHFRONT_RETURN_IF_ERROR(CheckNoneCollide({{"IN", arguments_.in}, output}));
+      if (absl::StartsWith(region, faces))
+        MESHFRONT_RETURN_IF_ERROR(CheckNoneCollide({{"--region", region.substr(faces.size())}, output}));
+    }
+    return absl::OkStatus();
   }
 
   ExitCode CheckOutputs() {

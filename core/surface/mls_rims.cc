@@ -92,10 +92,12 @@ std::optional<Frame> GoOutward(const ImplicitMlsSurface& surface, uint32_t sampl
 }
 
 // Until it comes back to where it began. False where it is lost.
-bool Follow(const ImplicitMlsSurface& surface, const Frame& start, RimCurve& curve) {
+absl::StatusOr<bool> Follow(const ImplicitMlsSurface& surface, const Frame& start, RimCurve& curve,
+                            const Context& context) {
   Frame at = start;
   curve.places.push_back(at.at);
   for (size_t step = 1; step < kMaxSteps; ++step) {
+    MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
     const double length = kStep * at.support;
     SourcePoint next = at.at;
     next.position += length * at.along;
@@ -159,7 +161,7 @@ absl::StatusOr<RimCurves> TraceRims(const ImplicitMlsSurface& surface, const Con
     const std::optional<Frame> start = GoOutward(surface, i);
     if (!start) continue;
     RimCurve curve;
-    const bool closes = Follow(surface, *start, curve);
+    MESHFRONT_ASSIGN_OR_RETURN(const bool closes, Follow(surface, *start, curve, context));
     for (const SourcePoint& p : curve.places) {
       for (const uint32_t j : samples.ListOf(p.patch)) {
         const double reach = kPassed * samples.samples()[j].support;
