@@ -13,7 +13,7 @@
 #include "core/surface/curvature_fit.h"
 #include "core/surface/mesh_surface.h"
 #include "core/surface/vertex_normals.h"
-#include "tests/benchmarks/wavy_torus.h"
+#include "tests/benchmarks/subjects.h"
 
 namespace meshfront {
 namespace {
@@ -26,11 +26,7 @@ const TriangleMesh& Mesh() {
 }
 
 const MeshSurface& Surface() {
-  static const auto* surface = [] {
-    auto made = *MeshSurface::Create(Mesh(), Context{});
-    if (!made->ComputeCurvature(Context{}).ok()) std::abort();
-    return made.release();
-  }();
+  static const auto* surface = SurfaceOf(Mesh()).release();
   return *surface;
 }
 
@@ -136,15 +132,6 @@ void BM_PlaceFreeVertex(benchmark::State& state) {
   Count(state, 1, 1e-6);
 }
 BENCHMARK(BM_PlaceFreeVertex);
-
-class CountingSink : public MeshSink {
- public:
-  absl::Status Append(const MeshPiece& piece) override {
-    triangles += piece.triangles.size();
-    return absl::OkStatus();
-  }
-  size_t triangles = 0;
-};
 
 // Seconds for the whole front, and its triangles.
 std::pair<double, size_t> Advance(const GuidanceField& field, bool settled) {

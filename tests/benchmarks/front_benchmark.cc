@@ -8,6 +8,7 @@
 #include "core/front/advancing_front.h"
 #include "core/front/closure.h"
 #include "core/front/fence_index.h"
+#include "tests/benchmarks/subjects.h"
 #include "tests/core/front/fake_surfaces.h"
 
 namespace meshfront {
@@ -15,15 +16,6 @@ namespace {
 
 using testing::SphereSurface;
 using testing::TorusSurface;
-
-class CountingSink : public MeshSink {
- public:
-  absl::Status Append(const MeshPiece& piece) override {
-    triangles += piece.triangles.size();
-    return absl::OkStatus();
-  }
-  size_t triangles = 0;
-};
 
 // Lengths as a 1000 kept samples give them: graded by a factor of three.
 GuidanceField FieldFor(double length) {

@@ -8,7 +8,7 @@
 #include "core/surface/curvature_fit.h"
 #include "core/surface/mesh_surface.h"
 #include "core/surface/vertex_normals.h"
-#include "tests/benchmarks/wavy_torus.h"
+#include "tests/benchmarks/subjects.h"
 
 namespace meshfront {
 namespace {
@@ -18,11 +18,7 @@ const TriangleMesh& Mesh() {
   return *mesh;
 }
 const MeshSurface& Surface() {
-  static const auto* surface = [] {
-    auto made = *MeshSurface::Create(Mesh(), Context{});
-    if (!made->ComputeCurvature(Context{}).ok()) std::abort();
-    return made.release();
-  }();
+  static const auto* surface = SurfaceOf(Mesh()).release();
   return *surface;
 }
 double MeanEdge() {

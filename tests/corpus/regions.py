@@ -11,7 +11,6 @@ is what corpus.py says, of the whole mesh that came back; and each face beside t
 and its cyclic order. Rows go to OUT/regions.jsonl, as those of robustness.py. Exit code: 0 all well, 1 something is wrong, 77 no data
 or no judge.
 """
-import argparse
 import collections
 import json
 import math
@@ -135,40 +134,12 @@ def summarise(rows):
         done = sorted(row["new_median"] for row in its if "new_median" in row)
         middle = f"median 2r/R of the new triangles {done[len(done) // 2]:.3f}" if done else "no result"
         print(f"{name:<26} {sum(not row['problems'] for row in its):>4} of {len(its)} right  {middle}")
-    wrong = [row for row in rows if row["problems"]]
-    print(f"{len(rows)} runs, {len(wrong)} with problems" + "".join(f"\n  {row['model']} --run {row['run']}: {row['problems'][0]}"
-                                                                    for row in wrong))
-    return 1 if wrong else 0
+    return robustness.count_wrong(rows)
 
 
-def chosen(checks, options):
-    names, count = (SUBSET, SUBSET_RUNS) if options.subset else (MODELS, options.runs)
-    only = [part for part in options.only.split(",") if part]
-    names = [name for name in names if not only or any(part in name for part in only)]
-    there = [name for name in names if name in robustness.GENERATED or (checks.models.data / name).exists()]
-    if len(there) < len(names):
-        print(f"skipped, not there: {', '.join(name for name in names if name not in there)}")
-    numbers = range(1, count + 1) if options.run is None else [options.run]
-    return [(name, number) for number in numbers for name in there]
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    corpus.add_options(parser, timeout=60, judge_timeout=120)
-    corpus.add_survey_options(parser, "regions")
-    parser.add_argument("--runs", type=int, default=100)
-    parser.add_argument("--run", type=int, help="this one alone")
-    parser.add_argument("--verbose", action="store_true", help="a line for every run")
-    options = parser.parse_args()
-    if corpus.find_judge() is None:
-        print("skipped: no judge (set MESHFRONT_JUDGE, or corpus.py --build-judge)")
-        return corpus.SKIPPED
-    checks = Regions(options)
-    jobs = chosen(checks, options)
-    if not jobs:
-        return corpus.SKIPPED
-    return summarise(checks.rows(jobs))
+def models_and_runs(options):
+    return (SUBSET, SUBSET_RUNS) if options.subset else (MODELS, options.runs)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(robustness.survey(__doc__, "regions", Regions, models_and_runs, summarise))

@@ -254,17 +254,18 @@ def summarise(rows):
         figures = "  ".join(f"{what} >= {min(row[what] for row in done):.3f}" for what in FLOORS) if done else ""
         span = f"{min(row['triangles'] for row in done)} to {max(row['triangles'] for row in done)} triangles" if done else "no result"
         print(f"{name:<26} {sum(not row['problems'] for row in its):>4} of {len(its)} right  {span}  {figures}")
+    return count_wrong(rows)
+
+
+def count_wrong(rows):
     wrong = [row for row in rows if row["problems"]]
     print(f"{len(rows)} runs, {len(wrong)} with problems" + "".join(f"\n  {row['model']} --run {row['run']}: {row['problems'][0]}"
                                                                     for row in wrong))
     return 1 if wrong else 0
 
 
-def chosen(checks, options):
-    if options.subset:
-        names, count = SUBSET, SUBSET_RUNS
-    else:
-        names, count = list(GENERATED) if options.generated else MODELS, options.runs
+def chosen(checks, options, names, count):
+    """(model, run) of those that were asked for and are there."""
     only = [part for part in options.only.split(",") if part]
     names = [name for name in names if not only or any(part in name for part in only)]
     there = [name for name in names if name in GENERATED or (checks.models.data / name).exists()]
@@ -274,10 +275,11 @@ def chosen(checks, options):
     return [(name, number) for number in numbers for name in there]
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def survey(doc, name, survey_class, which, say):
+    """What a survey of many runs of the same models does: `which` gives the models and runs by the options, `say` the summary."""
+    parser = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
     corpus.add_options(parser, timeout=60, judge_timeout=120)
-    corpus.add_survey_options(parser, "robustness")
+    corpus.add_survey_options(parser, name)
     parser.add_argument("--runs", type=int, default=100)
     parser.add_argument("--run", type=int, help="this one alone")
     parser.add_argument("--verbose", action="store_true", help="a line for every run")
@@ -285,12 +287,16 @@ def main():
     if corpus.find_judge() is None:
         print("skipped: no judge (set MESHFRONT_JUDGE, or corpus.py --build-judge)")
         return corpus.SKIPPED
-    checks = Robustness(options)
-    jobs = chosen(checks, options)
-    if not jobs:
-        return corpus.SKIPPED
-    return summarise(checks.rows(jobs))
+    checks = survey_class(options)
+    jobs = chosen(checks, options, *which(options))
+    return say(checks.rows(jobs)) if jobs else corpus.SKIPPED
+
+
+def models_and_runs(options):
+    if options.subset:
+        return SUBSET, SUBSET_RUNS
+    return (list(GENERATED) if options.generated else MODELS), options.runs
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(survey(__doc__, "robustness", Robustness, models_and_runs, summarise))

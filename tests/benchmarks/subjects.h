@@ -1,15 +1,20 @@
-// An uneven mesh for benchmarks: a torus with waves on it, 2 · around · along triangles, its vertices jittered.
+// What benchmarks measure on: an uneven mesh and its surface, and a sink that counts.
 #pragma once
 
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
+#include <memory>
 #include <numbers>
 #include <random>
 
+#include "core/mesh/mesh_sink.h"
 #include "core/mesh/triangle_mesh.h"
+#include "core/surface/mesh_surface.h"
 
 namespace meshfront {
 
+// A torus with waves on it, 2 · around · along triangles, its vertices jittered.
 inline TriangleMesh WavyTorus(uint32_t around, uint32_t along) {
   TriangleMesh mesh;
   std::mt19937 random(1);
@@ -29,5 +34,21 @@ inline TriangleMesh WavyTorus(uint32_t around, uint32_t along) {
   }
   return mesh;
 }
+
+// The surface of a mesh, with its curvature.
+inline std::unique_ptr<MeshSurface> SurfaceOf(const TriangleMesh& mesh) {
+  auto surface = *MeshSurface::Create(mesh, Context{});
+  if (!surface->ComputeCurvature(Context{}).ok()) std::abort();
+  return surface;
+}
+
+class CountingSink : public MeshSink {
+ public:
+  absl::Status Append(const MeshPiece& piece) override {
+    triangles += piece.triangles.size();
+    return absl::OkStatus();
+  }
+  size_t triangles = 0;
+};
 
 }  // namespace meshfront
