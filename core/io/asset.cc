@@ -221,6 +221,14 @@ bool HoldsAttributes(Format format) {
   return format == Format::kObj || format == Format::kPly || format == Format::kGlb || format == Format::kGltf;
 }
 
+std::vector<std::string> FilesBeside(const MeshAsset& asset) {
+  std::vector<std::string> files = asset.material_libraries;
+  if (asset.gltf == nullptr) return files;
+  const std::vector<std::string> images = ImageFilesOf(*asset.gltf);
+  files.insert(files.end(), images.begin(), images.end());
+  return files;
+}
+
 absl::StatusOr<std::string> FormatAsset(const TriangleMesh& mesh, Format format, const MeshAsset& asset,
                                         std::vector<std::string>& left_out) {
   MESHFRONT_RETURN_IF_ERROR(ValidateAttributes(mesh.attributes, mesh.triangles.size()));

@@ -9,6 +9,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "absl/container/flat_hash_map.h"
@@ -216,6 +217,7 @@ class Formatter {
       Json primitive = primitives != nullptr && group.primitive < primitives->size() ? (*primitives)[group.primitive]
                                                                                      : Json::object();
       if (is_new) {
+        DropExtensions(old);
         old["primitives"] = Json::array();
         old.erase("weights");
         meshes.push_back(std::move(old));
@@ -228,6 +230,33 @@ class Formatter {
     return absl::OkStatus();
   }
 
+  // What extensions of meshes and primitives say of vertices and accessors is of the old ones. Variants name materials only.
+  void DropExtensions(Json& object) {
+    Json* const extensions = Member(object, "extensions");
+    if (extensions == nullptr) return;
+    Json kept = Json::object();
+    for (auto e = extensions->begin(); extensions->is_object() && e != extensions->end(); ++e) {
+      if (e.key() == "KHR_materials_variants") {
+        kept[e.key()] = e.value();
+        continue;
+      }
+      dropped_extensions_.insert(e.key());
+      if (e.key() != "KHR_draco_mesh_compression") Note(left_out_, e.key());  // that was read
+    }
+    if (kept.empty())
+      object.erase("extensions");
+    else
+      *extensions = std::move(kept);
+  }
+
+  void DropLostMaterial(Json& primitive) {
+    const std::optional<uint64_t> index = IndexIn(primitive, "material");
+    const Json* const materials = Member(doc_, "materials");
+    if (!index || (materials != nullptr && *index < materials->size())) return;
+    primitive.erase("material");
+    Note(left_out_, Concat("material ", *index, ", which the glTF does not have"));
+  }
+
   // Vertices of a primitive: one for each wedge of each vertex of the mesh.
   struct Corner {
     uint32_t vertex, wedge;
@@ -235,10 +264,8 @@ class Formatter {
 
   void FillPrimitive(const GltfGroup& group, const std::vector<uint32_t>& faces, Json& primitive) {
     if (primitive.erase("targets") > 0) Note(left_out_, "morph targets");
-    if (Json* const extensions = Member(primitive, "extensions")) {
-      extensions->erase("KHR_draco_mesh_compression");
-      if (extensions->empty()) primitive.erase("extensions");
-    }
+    DropExtensions(primitive);
+    DropLostMaterial(primitive);
     const Inverse inverse(group.to_world);
     std::vector<Corner> corners;
     std::vector<uint32_t> indices;
@@ -341,16 +368,17 @@ class Formatter {
         Note(left_out_, "meshes outside of the scene, or without triangles");
       }
       Json* const extensions = Member(node, "extensions");
-      if (extensions != nullptr && extensions->erase("EXT_mesh_gpu_instancing") > 0)
+      if (extensions != nullptr && extensions->erase("EXT_mesh_gpu_instancing") > 0) {
+        dropped_extensions_.insert("EXT_mesh_gpu_instancing");
         Note(left_out_, "EXT_mesh_gpu_instancing");
+      }
       if (extensions != nullptr && extensions->empty()) node.erase("extensions");
     });
     for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
       Json kept = Json::array();
       ForEach(doc_, list, [&](Json& name) {
-        if (name != "KHR_draco_mesh_compression" && name != "KHR_mesh_quantization" &&
-            name != "EXT_mesh_gpu_instancing")
-          kept.push_back(name);
+        const bool is_dropped = name.is_string() && dropped_extensions_.count(name.get<std::string>()) > 0;
+        if (!is_dropped) kept.push_back(name);
       });
       doc_.erase(list);
       if (!kept.empty()) doc_[list] = std::move(kept);
@@ -365,6 +393,7 @@ class Formatter {
   std::string buffer_;
   std::map<uint64_t, uint64_t> moved_views_, moved_accessors_;
   std::map<int64_t, size_t> node_meshes_;
+  std::set<std::string> dropped_extensions_ = {"KHR_draco_mesh_compression", "KHR_mesh_quantization"};
 };
 
 }  // namespace
@@ -374,6 +403,18 @@ absl::StatusOr<GltfDocument> FormatGltf(const TriangleMesh& mesh, const GltfAsse
   return Formatter(mesh, asset, left_out).Format();
 } catch (const nlohmann::json::exception& e) {
   return absl::InternalError(Concat("a glTF can't be put together again: ", e.what()));
+}
+
+std::vector<std::string> ImageFilesOf(const GltfAsset& asset) {
+  std::vector<std::string> files;
+  Json doc = Json::parse(asset.json, nullptr, false);
+  ForEach(doc, "images", [&](Json& image) {
+    const Json* const uri = Member(image, "uri");
+    if (uri == nullptr || !uri->is_string()) return;
+    std::string name = uri->get<std::string>();
+    if (!absl::StartsWith(name, "data:")) files.push_back(std::move(name));
+  });
+  return files;
 }
 
 GltfAsset PlainGltfAsset(const TriangleMesh& mesh, const std::vector<std::string>& group_names) {

@@ -41,6 +41,8 @@ struct GltfDocument {
 // `mesh` with the groups of the asset, in the coordinates that it was read in. What of the asset goes is appended to `left_out`.
 absl::StatusOr<GltfDocument> FormatGltf(const TriangleMesh& mesh, const GltfAsset& asset,
                                         std::vector<std::string>& left_out);
+// The images that lie in files of their own, by their uris.
+std::vector<std::string> ImageFilesOf(const GltfAsset& asset);
 // For meshes of other formats: one node, a material for each name.
 GltfAsset PlainGltfAsset(const TriangleMesh& mesh, const std::vector<std::string>& group_names);
 

@@ -127,6 +127,7 @@ void GltfAttributeReader::AddWedges(const GltfGroup& group, JsonValue attributes
       for (int c = 0; accessor != nullptr && c < accessor->components; ++c) {
         const auto value = static_cast<float>(accessor->NumberAt(i, c));
         at[c] = std::isfinite(value) ? value : 0;
+        not_finite_ += !std::isfinite(value);
       }
       ToWorld(group.to_world, role, at);
     }
@@ -174,6 +175,7 @@ void GltfAttributeReader::Finish(ReadResult& result) {
   }
   KeepViews();
   MeshAttributes& a = result.mesh.attributes;
+  if (not_finite_ > 0) result.warnings.push_back(NotFiniteAttributes(not_finite_));
   if (!fits_ || file_.document().exhausted()) {
     a = {};
     NoteDropped(result.mesh, "materials, nodes and animations");

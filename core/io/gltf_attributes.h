@@ -39,7 +39,7 @@ class GltfAttributeReader {
 
   GltfFile& file_;
   std::vector<AttributeChannel> channels_;
-  uint64_t wedges_ = 0, kept_bytes_ = 0;
+  uint64_t wedges_ = 0, kept_bytes_ = 0, not_finite_ = 0;
   bool fits_ = true;  // attributes into memory, and what is kept
   absl::flat_hash_set<int64_t> nodes_;
   std::vector<std::string> names_;

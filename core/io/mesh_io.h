@@ -84,10 +84,14 @@ absl::StatusOr<std::string> FormatMesh(const TriangleMesh& mesh, Format format);
 // Whether files of the format hold attributes of triangle meshes: OBJ, PLY, GLB and glTF.
 bool HoldsAttributes(Format format);
 // A triangle mesh with its attributes and the asset around it. Attributes that the format has no place for are appended to `left_out`,
-// as is what of the asset goes: a glTF can be written again as a glTF only. OBJ: vt, vn, usemtl; PLY: one vertex a wedge, colours in
-// 8 bits, normals, texture coordinates and other numbers in 32; glTF: float32, positions relative to their node.
+// as is what of the asset goes: a glTF can be written again as a glTF only. OBJ: vt, vn, usemtl; PLY: channels of which no
+// vertex has two values, colours in 8 bits, normals, texture coordinates and other numbers in 32; glTF: float32, positions relative to their node.
 // InvalidArgument and InternalError as FormatMesh.
 absl::StatusOr<std::string> FormatAsset(const TriangleMesh& mesh, Format format, const MeshAsset& asset,
                                         std::vector<std::string>& left_out);
+
+// The files that an asset names and is not whole without, as it names them: images of a glTF that lie beside it, an OBJ's material
+// libraries. They are named again, never copied.
+std::vector<std::string> FilesBeside(const MeshAsset& asset);
 
 }  // namespace meshfront

@@ -142,7 +142,7 @@ class BodyReader {
       result_.warnings.push_back(Concat(small_faces_, " faces of fewer than three corners were skipped"));
     }
     FinishNormals();
-    if (attributes_) attributes_->Finish(result_.mesh);
+    if (attributes_) FinishAttributes();
     return std::move(result_);
   }
 
@@ -351,6 +351,11 @@ class BodyReader {
   }
 
   // Faces may have been there without a triangle among them.
+  void FinishAttributes() {
+    attributes_->Finish(result_.mesh);
+    if (attributes_->not_finite() > 0) result_.warnings.push_back(NotFiniteAttributes(attributes_->not_finite()));
+  }
+
   void FinishNormals() {
     if (has_normals_ && !result_.mesh.triangles.empty()) {
       result_.mesh.normals = {};

@@ -66,6 +66,7 @@ void PlyAttributes::AddRow(absl::Span<const double> values) {
   for (size_t i = 0; i < values.size(); ++i) {
     const auto value = static_cast<float>(scales_[i] * values[i]);
     attributes_.values.push_back(std::isfinite(value) ? value : 0);
+    not_finite_ += !std::isfinite(value);
   }
 }
 

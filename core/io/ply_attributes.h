@@ -1,6 +1,7 @@
 // The properties of a PLY's vertices, as attributes of its triangles.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "absl/types/span.h"
@@ -20,6 +21,8 @@ class PlyAttributes {
   // The values of the slots of one vertex.
   void AddRow(absl::Span<const double> values);
   void Finish(TriangleMesh& mesh);
+  // Numbers that were read as 0, since they are none.
+  uint64_t not_finite() const { return not_finite_; }
 
  private:
   bool Take(const PlyElement& vertex, const AttributeChannel& channel, absl::Span<const std::string_view> properties,
@@ -27,6 +30,7 @@ class PlyAttributes {
 
   MeshAttributes attributes_;
   std::vector<double> scales_;  // of each slot
+  uint64_t not_finite_ = 0;
 };
 
 }  // namespace meshfront

@@ -57,6 +57,10 @@ inline std::string Quote(std::string_view token) {
                       cut ? "…\"" : "\"");
 }
 
+inline std::string NotFiniteAttributes(uint64_t count) {
+  return Concat(count, " numbers of attributes are not finite; they are read as 0");
+}
+
 // Adds a name once, and not without end.
 inline void NoteDropped(TriangleMesh& mesh, std::string name) {
   if (mesh.dropped_attributes.size() >= 64) return;

@@ -1,4 +1,5 @@
 // Attributes in files: what is written is read again, and what lies around a glTF's meshes stays.
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "core/io/mesh_io.h"
@@ -152,6 +153,59 @@ TEST(Asset, KeepsWhatLiesAroundTheMeshesOfAGltf) {
   const auto& position = doc["accessors"][doc["meshes"][0]["primitives"][0]["attributes"]["POSITION"].get<size_t>()];
   EXPECT_EQ(position["min"], (std::vector<double>{0, 0, 0}));
   EXPECT_EQ(position["max"], (std::vector<double>{1, 1, 0}));
+}
+
+std::string Replaced(std::string text, const std::string& what, const std::string& by) {
+  const size_t at = text.find(what);
+  EXPECT_NE(at, std::string::npos) << what;
+  return at == std::string::npos ? text : text.replace(at, what.size(), by);
+}
+
+// Their numbers are of accessors that are gone.
+TEST(Asset, LeavesOutWhatExtensionsOfMeshesSayOfVertices) {
+  const std::string json =
+      R"({"asset":{"version":"2.0"},"extensionsUsed":["EXT_mesh_manifold","KHR_materials_variants"],)"
+      R"("nodes":[{"mesh":0}],"meshes":[{"extensions":{"EXT_mesh_manifold":{"mergeIndices":2}},)"
+      R"("primitives":[{"attributes":{"POSITION":0},"material":7,)"
+      R"("extensions":{"KHR_materials_variants":{"mappings":[]}}}]}],)"
+      R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],)"
+      R"("bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36}]})";
+  const auto read = ReadText(Glb(json, Raw({0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f})), Format::kGlb);
+  ASSERT_THAT(read, IsOk());
+  std::vector<std::string> left_out;
+  const absl::StatusOr<std::string> text = FormatAsset(read->mesh, Format::kGltf, read->asset, left_out);
+  ASSERT_THAT(text, IsOk());
+  EXPECT_THAT(left_out, ElementsAre("EXT_mesh_manifold", "material 7, which the glTF does not have"));
+  const nlohmann::json doc = nlohmann::json::parse(*text);
+  EXPECT_EQ(doc["extensionsUsed"], nlohmann::json::array({"KHR_materials_variants"}));
+  EXPECT_FALSE(doc["meshes"][0].contains("extensions"));
+  const auto& primitive = doc["meshes"][0]["primitives"][0];
+  EXPECT_TRUE(primitive["extensions"].contains("KHR_materials_variants"));
+  EXPECT_FALSE(primitive.contains("material"));
+}
+
+TEST(Asset, NamesTheFilesBesideIt) {
+  const std::string glb = Replaced(AnimatedGlb(), R"("images":[{"bufferView":4,"mimeType":"image/png"}])",
+                                   R"("images":[{"uri":"beside.png"},{"uri":"data:,x"} ])");
+  const auto read = ReadText(glb, Format::kGlb);
+  ASSERT_THAT(read, IsOk());
+  EXPECT_THAT(FilesBeside(read->asset), ElementsAre("beside.png"));
+}
+
+TEST(Asset, SaysWhichNumbersAreNone) {
+  const auto ply = ReadText(
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "property float quality\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0 0 nan\n1 0 0 6\n0 1 0 inf\n3 0 1 2\n",
+      Format::kPly);
+  ASSERT_THAT(ply, IsOk());
+  EXPECT_THAT(ply->warnings, ElementsAre("2 numbers of attributes are not finite; they are read as 0"));
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const std::string glb =
+      Replaced(AnimatedGlb(), Raw({0.f, 0.f, 1.f, 0.f, 0.f, 1.f}), Raw({0.f, nan, 1.f, 0.f, 0.f, 1.f}));
+  const auto gltf = ReadText(glb, Format::kGlb);
+  ASSERT_THAT(gltf, IsOk());
+  EXPECT_THAT(gltf->warnings, ElementsAre("1 numbers of attributes are not finite; they are read as 0"));
 }
 
 TEST(Asset, SaysWhatAGltfLosesInOtherFormats) {
