@@ -4,6 +4,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <iostream>
 
 #include "absl/strings/str_cat.h"
@@ -43,6 +44,17 @@ absl::StatusOr<ReadResult> Read(const std::string& path, Format format) {
 }  // namespace
 
 absl::StatusOr<ReadResult> ReadInput(const std::string& path, Format format) { return Read(path, format); }
+
+bool LieInOneFolder(const std::string& a, const std::string& b) {
+  const auto folder = [](const std::string& path) {
+    std::error_code ignored;
+    const std::filesystem::path file = path == "-" ? std::filesystem::path(".") / "-" : std::filesystem::path(path);
+    const std::filesystem::path whole = std::filesystem::absolute(file, ignored).parent_path();
+    const std::filesystem::path found = std::filesystem::weakly_canonical(whole, ignored);
+    return found.empty() ? whole : found;
+  };
+  return folder(a) == folder(b);
+}
 
 void PrintWarnings(const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings) std::cerr << "meshfront: warning: " << warning << "\n";

@@ -13,6 +13,9 @@ namespace meshfront {
 // `path` may be "-".
 absl::StatusOr<ReadResult> ReadInput(const std::string& path, Format format);
 
+// Whether what one file names beside itself, by a relative path, the other finds as well. "-" lies in the current folder.
+bool LieInOneFolder(const std::string& a, const std::string& b);
+
 // To standard error, one line each. Not called by a run that fails: its one sentence says why.
 void PrintWarnings(const std::vector<std::string>& warnings);
 

@@ -146,6 +146,7 @@ class RemeshCommand {
     if (wanted && !has_place) {
       for (const AttributeChannel& c : input_.attributes.channels) left_out.push_back(c.name);
       if (!input_.attributes.groups.empty()) left_out.push_back("materials");
+      if (asset_.gltf != nullptr) left_out.push_back("nodes, textures, animations and skins of the glTF");
     }
     if (!wanted || !has_place) {
       input_.attributes = {};
@@ -156,11 +157,20 @@ class RemeshCommand {
     is_asset_ = !input_.attributes.empty() || (is_gltf && asset_.gltf != nullptr);
     if (wanted && !left_out.empty())
       warnings_.push_back(absl::StrCat("not carried over: ", absl::StrJoin(left_out, ", ")));
+    const std::vector<std::string> files = is_asset_ ? FilesBeside(asset_) : std::vector<std::string>();
+    if (!files.empty() && !LieInOneFolder(arguments_.in, arguments_.out)) {
+      warnings_.push_back(absl::StrCat(arguments_.out, " names files that lie beside ", arguments_.in,
+                                       ", and that are not copied: ", absl::StrJoin(files, ", ")));
+    }
   }
 
   ExitCode UseInput() {
     if (!arguments_.picture.empty()) picture_.emplace().DrawBefore(input_);
     if (arguments_.write_repaired.empty()) return ExitCode::kDone;
+    if (input_.IsPointSet()) {
+      return Fail(ExitCode::kUsage, absl::InvalidArgumentError(absl::StrCat("--write-repaired needs triangles; ",
+                                                                            arguments_.in, " is a point set")));
+    }
     const bool repair = arguments_.meshing.repair != "off";
     Context context;
     const absl::StatusOr<RemeshOptions> options = OptionsFromProto(call_.options);

@@ -215,11 +215,30 @@ TEST_F(Remesh, ExitsWithSixPastTheDeadlineAndLeavesNothing) {
   EXPECT_THAT(Files(), ElementsAre("in.ply"));
 }
 
+// A tetrahedron with a seam at every edge.
+constexpr char kTextured[] =
+    "mtllib t.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\n"
+    "f 1/1 3/3 2/2\nf 1/1 2/2 4/3\nf 2/1 3/2 4/3\nf 3/1 1/2 4/3\n";
+
+// glTF has a vertex for each side of a seam; what is closed is closed there too.
+TEST_F(Remesh, MeasuresAGltfAcrossItsSeams) {
+  std::ofstream(PathOf("textured.obj")) << kTextured;
+  ASSERT_EQ(Run({"remesh", "textured.obj", "out.glb"}).exit_code, 0);
+  EXPECT_GT(MeasureTopology(Read("out.glb")).boundary_loops, 0u) << "there are seams";
+  const Json counts = Json::parse(Run({"measure", "out.glb", "--json"}).out)["counts"];
+  EXPECT_EQ(counts["closed"], true);
+  EXPECT_EQ(counts["components"], 1);
+}
+
+TEST_F(Remesh, WarnsOfFilesThatLieBesideTheInputOnly) {
+  std::ofstream(PathOf("textured.obj")) << kTextured;
+  std::filesystem::create_directory(PathOf("other"));
+  EXPECT_THAT(Run({"remesh", "textured.obj", "other/out.obj"}).err, HasSubstr("not copied: t.mtl"));
+  EXPECT_THAT(Run({"remesh", "textured.obj", "./out.obj"}).err, ::testing::Not(HasSubstr("t.mtl")));
+}
+
 TEST_F(Remesh, CarriesTextureCoordinatesUnlessTheyAreDropped) {
-  std::ofstream file(PathOf("textured.obj"));
-  file << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\n"
-       << "f 1/1 3/3 2/2\nf 1/1 2/2 4/3\nf 2/1 3/2 4/3\nf 3/1 1/2 4/3\n";
-  file.close();
+  std::ofstream(PathOf("textured.obj")) << kTextured;
   const auto channels_after = [&](const std::vector<std::string>& flags) {
     std::vector<std::string> command = {"remesh", "textured.obj", "out.obj"};
     command.insert(command.end(), flags.begin(), flags.end());

@@ -50,6 +50,8 @@ TEST_F(Program, ExplainsItselfWhenAsked) {
 
 TEST_F(Program, ExitsWithTwoForMistakesInTheCommandLine) {
   WriteSphere("in.ply");
+  std::ofstream(PathOf("points.xyz")) << "0 0 0\n1 0 0\n0 1 0\n";
+  const std::string before = Contents("in.ply");
   const std::vector<std::vector<std::string>> mistakes = {
       {},
       {"remsh"},
@@ -81,6 +83,10 @@ TEST_F(Program, ExitsWithTwoForMistakesInTheCommandLine) {
       {"remesh", "in.ply", "out.ply", "--picture", "picture.jpg"},
       {"remesh", "in.ply", "out.ply", "--write-repaired", "./out.ply"},
       {"remesh", "in.ply", "out.ply", "--stats", "out.ply"},
+      {"remesh", "in.ply", "out.ply", "--stats", "in.ply"},
+      {"remesh", "in.ply", "out.ply", "--write-repaired", "./in.ply"},
+      {"remesh", "in.ply", "in.ply", "--region", "faces:in.ply"},
+      {"remesh", "points.xyz", "out.ply", "--write-repaired", "repaired.ply"},
       {"remesh", "in.ply", "out.ply", "--stats", "-", "--trace", "-"},
       {"estimate"},
       {"measure"},
@@ -102,7 +108,8 @@ TEST_F(Program, ExitsWithTwoForMistakesInTheCommandLine) {
     EXPECT_EQ(outcome.exit_code, 2) << ::testing::PrintToString(arguments);
     EXPECT_THAT(outcome.err, StartsWith("meshfront: ")) << ::testing::PrintToString(arguments);
   }
-  EXPECT_THAT(Files(), ElementsAre("in.ply"));
+  EXPECT_THAT(Files(), ElementsAre("in.ply", "points.xyz"));
+  EXPECT_EQ(Contents("in.ply"), before);
 }
 
 TEST_F(Program, NamesASubcommandThatItDoesNotKnow) { EXPECT_THAT(Run({"bogus", "in.ply"}).err, HasSubstr("bogus")); }
