@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <thread>
 #include <utility>
@@ -36,7 +37,8 @@ class OutgoingSink : public MeshSink {
   // The preparation's attributes outlive the sink.
   OutgoingSink(MeshSink& next, const Preparation& p, Clock::time_point start)
       : next_(next), scale_(p.scale), start_(start), attributes_(p.attributes) {
-    if (!p.attributes.channels.empty()) interpolator_.emplace(p.attributes, p.has_flat_normals);
+    if (!p.attributes.channels.empty())
+      interpolator_ = std::make_unique<AttributeInterpolator>(p.attributes, p.has_flat_normals);
   }
 
   absl::Status Append(const MeshPiece& piece) override {
@@ -74,9 +76,9 @@ class OutgoingSink : public MeshSink {
   const double scale_;
   const Clock::time_point start_;
   const MeshAttributes& attributes_;
-  std::optional<AttributeInterpolator> interpolator_;
-  std::vector<float> values_;     // of the piece at hand
-  std::vector<uint32_t> groups_;  // likewise
+  std::unique_ptr<AttributeInterpolator> interpolator_;  // none: there are no values
+  std::vector<float> values_;                            // of the piece at hand
+  std::vector<uint32_t> groups_;                         // likewise
   double first_chunk_ = 0;
 };
 

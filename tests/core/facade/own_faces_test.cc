@@ -81,6 +81,43 @@ TEST_F(TwoComponents, AreTheInputsWhereOpen) {
   EXPECT_EQ(mesh.positions.size(), made_near_.positions.size() + far_.positions.size()) << "none is left of the other";
 }
 
+// Where each corner was made on the surface is told of both kinds.
+TEST_F(TwoComponents, KeepTheWedgesOfTheirCorners) {
+  const auto surface = SurfaceOf(Joined(near_, far_));
+  TriangleMesh open = far_;
+  open.triangles.pop_back();
+  std::vector<HeldPiece> pieces = PiecesOf({near_, open});  // of the surface's own faces, so that places are known
+  for (uint32_t f = 0; f < pieces[0].triangles.size(); ++f) {
+    pieces[0].faces.push_back(f);
+    pieces[0].corners.push_back({3 * f, 3 * f + 1, 3 * f + 2});
+    for (const auto& [u, v] : {std::pair(0.0, 0.0), std::pair(1.0, 0.0), std::pair(0.0, 1.0)})
+      pieces[0].wedges.push_back({f, u, v, {0, 0, 1}});
+  }
+  const absl::StatusOr<PartlyOwn> mixed = PutOwnFacesIn(pieces, *surface, 0.01, kFlatRatio, Context{});
+  ASSERT_THAT(mixed, IsOk());
+  ASSERT_EQ(mixed->components, 1u);
+  size_t corners = 0;
+  std::vector<OutputVertex> vertices;
+  std::vector<OutputWedge> wedges;
+  for (const HeldPiece& piece : mixed->pieces) {
+    vertices.insert(vertices.end(), piece.vertices.begin(), piece.vertices.end());
+    wedges.insert(wedges.end(), piece.wedges.begin(), piece.wedges.end());
+    ASSERT_EQ(piece.corners.size(), piece.triangles.size());
+    ASSERT_EQ(piece.faces.size(), piece.triangles.size());
+    for (size_t t = 0; t < piece.triangles.size(); ++t) {
+      for (int i = 0; i < 3; ++i) {
+        const OutputWedge& w = wedges[piece.corners[t][i]];
+        EXPECT_EQ(w.face, piece.faces[t]);
+        EXPECT_LT(Distance(surface->AtFace(FaceId(w.face), w.u, w.v).position,
+                           vertices[piece.triangles[t][i].index()].position),
+                  1e-12);
+        ++corners;
+      }
+    }
+  }
+  EXPECT_EQ(corners, 3 * (near_.triangles.size() + far_.triangles.size()));
+}
+
 TEST_F(TwoComponents, AreTheInputsWhereATriangleHasNoArea) {
   TriangleMesh flat = made_near_;
   const Triangle t = flat.triangles[0];
