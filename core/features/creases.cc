@@ -2,10 +2,13 @@
 //   2. MarkSharp: edges that turn by more than the angle;
 //   3. BridgeGaps: from where such a line ends, straight on over weaker edges until it meets a line again;
 //   4. DropSpurs: lines that end inside a patch, from their ends back to where they meet others;
-//   5. DropSpecks: small patches inside large ones, as noise makes them (specks.h).
+//   5. DropSpecks: small patches inside large ones, as noise makes them (specks.h);
+//   6. AddFades: of the lines dropped in 4, long straight ones that start at a crease, on to where they fade out;
+//   7. AddFaintLines: straight ones from crease to crease that stand out, however little they turn.
 // Rejected: the threshold alone. A scan of 100,000 triangles has 12,000 edges beyond 40°, and 500 places that they close around.
 #include "core/features/creases.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -25,6 +28,7 @@ class CreaseFinder {
         adjacency_(adjacency),
         sharp_cosine_(std::cos(angle)),
         weak_cosine_(std::cos(kWeakCrease * angle)),
+        faded_cosine_(std::cos(kFadedCrease * angle)),
         crease_(3 * mesh.triangles.size(), false),
         degree_(mesh.positions.size(), 0) {}
 
@@ -35,8 +39,11 @@ class CreaseFinder {
     if (!MarkSharp()) return std::move(crease_);
     BridgeGaps();
     MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
+    FindFades();
     DropSpurs();
     DropSpecks();
+    AddFades();
+    AddFaintLines();
     return std::move(crease_);
   }
 
@@ -54,6 +61,13 @@ class CreaseFinder {
   bool MarkSharp();
   void BridgeGaps();
   bool Bridge(uint32_t from, std::vector<uint32_t>& way) const;
+  uint32_t StraightOn(uint32_t at, const Vec3& direction, double least_cosine) const;
+  std::vector<uint32_t> FadeAt(uint32_t end, double least_length) const;
+  void FindFades();
+  void AddFades();
+  bool StandsOut(uint32_t h, uint32_t next) const;
+  bool IsFaintLine(uint32_t h, double least_length, std::vector<uint32_t>& line) const;
+  void AddFaintLines();
   void DropSpurs();
   void DropSpecks();
 
@@ -74,10 +88,11 @@ class CreaseFinder {
 
   const TriangleMesh& mesh_;
   const FaceAdjacency& adjacency_;
-  const double sharp_cosine_, weak_cosine_;
+  const double sharp_cosine_, weak_cosine_, faded_cosine_;
   std::vector<Vec3> normals_;
   std::vector<bool> crease_;
-  std::vector<int> degree_;  // creases at each vertex; on the rim two more
+  std::vector<int> degree_;                   // creases at each vertex; on the rim two more
+  std::vector<std::vector<uint32_t>> fades_;  // half-edges, from where a line ends back to where it starts
 };
 
 void CreaseFinder::FindFaceNormals() {
@@ -152,6 +167,18 @@ bool CreaseFinder::MarkSharp() {
   return any;
 }
 
+// The sharpest edge from here that goes straight on and turns by more than this; kNoHalfEdge when there is none.
+uint32_t CreaseFinder::StraightOn(uint32_t at, const Vec3& direction, double least_cosine) const {
+  uint32_t best = kNoHalfEdge;
+  double best_cosine = least_cosine;
+  VisitInner(at, [&](uint32_t h) {
+    const Vec3 along = Normalized(Place(Target(h)) - Place(at));
+    if (crease_[h] || Dot(along, direction) < kBridgeStraightness || CosineAt(h) >= best_cosine) return;
+    best = h, best_cosine = CosineAt(h);
+  });
+  return best;
+}
+
 // The way from the end of a line, along the sharpest edges that go straight on, to the next line; false when there is none near by.
 bool CreaseFinder::Bridge(uint32_t from, std::vector<uint32_t>& way) const {
   way.clear();
@@ -161,13 +188,7 @@ bool CreaseFinder::Bridge(uint32_t from, std::vector<uint32_t>& way) const {
     if (crease_[h]) direction = Normalized(Place(from) - Place(Target(h)));
   });
   for (int step = 0; step < kMaxBridge; ++step) {
-    uint32_t best = kNoHalfEdge;
-    double best_cosine = weak_cosine_;
-    VisitInner(at, [&](uint32_t h) {
-      const Vec3 along = Normalized(Place(Target(h)) - Place(at));
-      if (crease_[h] || Dot(along, direction) < kBridgeStraightness || CosineAt(h) >= best_cosine) return;
-      best = h, best_cosine = CosineAt(h);
-    });
+    const uint32_t best = StraightOn(at, direction, weak_cosine_);
     if (best == kNoHalfEdge) return false;
     way.push_back(best);
     direction = Normalized(Place(Target(best)) - Place(at));
@@ -184,6 +205,101 @@ void CreaseFinder::BridgeGaps() {
     if (degree_[v] != 1 || !Bridge(v, way)) continue;
     for (const uint32_t h : way) Set(h, true);
   }
+}
+
+// The line that ends here, back to where it starts, if its last edges come a long way straight: noise makes no such lines.
+std::vector<uint32_t> CreaseFinder::FadeAt(uint32_t end, double least_length) const {
+  std::vector<uint32_t> line;
+  double length = 0, cosines = 0;
+  Vec3 direction;
+  bool is_long = false;
+  for (uint32_t at = end; line.empty() || (degree_[at] == 2 && at != end);) {
+    uint32_t back = kNoHalfEdge;
+    VisitInner(at, [&](uint32_t h) {
+      if (crease_[h] && (line.empty() || h != adjacency_.OppositeOf(line.back()))) back = h;
+    });
+    if (back == kNoHalfEdge) return {};
+    const Vec3 edge = Place(Target(back)) - Place(at);
+    if (!line.empty()) cosines += Dot(Normalized(edge), direction);
+    direction = Normalized(edge);
+    length += Norm(edge);
+    line.push_back(back);
+    at = Target(back);
+    if (is_long || line.size() < kFadeEdges || length < least_length) continue;
+    is_long = true;
+    if (cosines < kFadeStraightness * static_cast<double>(line.size() - 1)) return {};
+  }
+  return is_long ? line : std::vector<uint32_t>();
+}
+
+void CreaseFinder::FindFades() {
+  const double least_length = kFadeOfDiagonal * BoundingBox(mesh_, adjacency_).Diagonal();
+  for (uint32_t v = 0; v < degree_.size(); ++v) {
+    if (degree_[v] != 1) continue;
+    std::vector<uint32_t> line = FadeAt(v, least_length);
+    if (!line.empty()) fades_.push_back(std::move(line));
+  }
+}
+
+void CreaseFinder::AddFades() {
+  for (const std::vector<uint32_t>& line : fades_) {
+    if (degree_[Target(line.back())] < 2 || crease_[line.front()]) continue;
+    uint32_t at = Origin(line.front());
+    Vec3 direction = Normalized(Place(at) - Place(Target(line.front())));
+    for (const uint32_t h : line) Set(h, true);
+    while (degree_[at] == 1) {
+      const uint32_t next = StraightOn(at, direction, faded_cosine_);
+      if (next == kNoHalfEdge) break;
+      direction = Normalized(Place(Target(next)) - Place(at));
+      Set(next, true);
+      at = Target(next);
+    }
+  }
+}
+
+// Of a line that comes in at h and goes out at `next`, through a vertex where nothing else turns: what ends at its other two vertices
+// aside, all edges of the faces around turn by half as much at most.
+bool CreaseFinder::StandsOut(uint32_t h, uint32_t next) const {
+  const double flat_cosine = std::cos(kFlatBesideFaint * std::acos(std::clamp(CosineAt(h), -1.0, 1.0)));
+  const uint32_t from = Origin(h), to = Target(next);
+  bool stands_out = true;
+  VisitInner(Target(h), [&](uint32_t spoke) {
+    const uint32_t rim = NextHalfEdge(spoke);
+    const auto is_at = [&](uint32_t v) { return Origin(rim) == v || Target(rim) == v; };
+    if (Target(spoke) != from && Target(spoke) != to && CosineAt(spoke) < flat_cosine) stands_out = false;
+    if (!is_at(from) && !is_at(to) && (adjacency_.OppositeOf(rim) == kNoHalfEdge || CosineAt(rim) < flat_cosine))
+      stands_out = false;
+  });
+  return stands_out;
+}
+
+bool CreaseFinder::IsFaintLine(uint32_t h, double least_length, std::vector<uint32_t>& line) const {
+  line.clear();
+  const uint32_t start = Origin(h);
+  for (double length = 0;;) {
+    line.push_back(h);
+    const Vec3 edge = Place(Target(h)) - Place(Origin(h));
+    length += Norm(edge);
+    const uint32_t at = Target(h);
+    if (at == start) return false;
+    if (degree_[at] > 0) return degree_[at] >= 2 && line.size() >= kFaintEdges && length >= least_length;
+    const uint32_t next = StraightOn(at, Normalized(edge), faded_cosine_);
+    if (next == kNoHalfEdge || !StandsOut(h, next)) return false;
+    h = next;
+  }
+}
+
+void CreaseFinder::AddFaintLines() {
+  const double least_length = kFadeOfDiagonal * BoundingBox(mesh_, adjacency_).Diagonal();
+  std::vector<uint32_t> line, faint;
+  for (uint32_t v = 0; v < degree_.size(); ++v) {
+    if (degree_[v] < 2) continue;
+    VisitInner(v, [&](uint32_t h) {
+      if (crease_[h] || CosineAt(h) >= faded_cosine_ || !IsFaintLine(h, least_length, line)) return;
+      faint.insert(faint.end(), line.begin(), line.end());
+    });
+  }
+  for (const uint32_t h : faint) Set(h, true);
 }
 
 void CreaseFinder::DropSpurs() {

@@ -1,5 +1,6 @@
 #include "core/features/creases.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <functional>
@@ -16,7 +17,10 @@
 namespace meshfront {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Each;
+using ::testing::Field;
+using ::testing::Ge;
 using ::testing::IsEmpty;
 using testing::Segment;
 using ::testing::SizeIs;
@@ -88,8 +92,9 @@ TEST(FindCreases, BridgeAGapOfAFewWeakerEdges) {
 }
 
 TEST(FindCreases, EndAtALongGapOfWeakerEdges) {
-  const auto ridge = [](double x, double y) { return !IsZero(y) ? 0 : SlopeOf(std::abs(x) < 0.39 ? 30 : 60); };
-  EXPECT_THAT(CreasesOf(Ridges(40, ridge)), IsEmpty()) << "and what is left leads nowhere";
+  // What is left, of 7 edges, leads nowhere.
+  const auto ridge = [](double x, double y) { return !IsZero(y) ? 0 : SlopeOf(std::abs(x) < 0.69 ? 30 : 60); };
+  EXPECT_THAT(CreasesOf(Ridges(40, ridge)), IsEmpty());
 }
 
 TEST(FindCreases, DoNotBridgeAGapWithoutATurn) {
@@ -98,19 +103,68 @@ TEST(FindCreases, DoNotBridgeAGapWithoutATurn) {
 }
 
 TEST(FindCreases, LeaveOutALineThatEndsInsideAPatch) {
-  const auto half = [](double x, double y) { return !IsZero(y) || x < 0.2 ? 0 : SlopeOf(60); };
+  const auto half = [](double x, double y) { return !IsZero(y) || x < 0.69 ? 0 : SlopeOf(60); };
   EXPECT_THAT(CreasesOf(Ridges(40, half)), IsEmpty()) << "from the rim inwards";
   const auto inner = [](double x, double y) { return !IsZero(y) || std::abs(x) > 0.5 ? 0 : SlopeOf(60); };
-  EXPECT_THAT(CreasesOf(Ridges(40, inner)), IsEmpty()) << "with two free ends";
+  EXPECT_THAT(CreasesOf(Ridges(40, inner)), IsEmpty()) << "with two free ends, however long";
 }
 
 TEST(FindCreases, LeaveOutABranchThatEndsInsideAPatch) {
   const auto with_branch = [](double x, double y) {
-    return IsZero(y) || (IsZero(x) && y > 0 && y < 0.6) ? SlopeOf(60) : 0;
+    return IsZero(y) || (IsZero(x) && y > 0 && y < 0.34) ? SlopeOf(60) : 0;
   };
   const auto creases = CreasesOf(Ridges(40, with_branch));
   EXPECT_THAT(creases, SizeIs(40));
   for (const Segment& s : creases) EXPECT_NEAR(std::abs(s.from.y) + std::abs(s.to.y), 0, 1e-12);
+}
+
+TEST(FindCreases, FadeOutInsideAPatchWhereTheyComeALongWay) {
+  // A fold whose turn falls evenly from 90° on the rim to nothing.
+  for (const double end : {0.0, 0.5}) {
+    const auto turn = [&](double x) { return std::max(0.0, 90 * (end - x) / (end + 1)); };
+    const auto creases =
+        CreasesOf(testing::HeightField(40, [&](double x, double y) { return -std::abs(y) * SlopeOf(turn(x)); }));
+    double farthest = -1;
+    for (const Segment& s : creases) {
+      EXPECT_THAT(s, AllOf(Field(&Segment::from, Field(&Vec3::y, 0)), Field(&Segment::to, Field(&Vec3::y, 0))));
+      farthest = std::max({farthest, s.from.x, s.to.x});
+    }
+    EXPECT_THAT(creases, SizeIs(std::lround(20 * (farthest + 1))));
+    EXPECT_NEAR(turn(farthest), 10, 7) << end;
+  }
+}
+
+TEST(FindCreases, DoNotFadeOutAtBothEnds) {
+  const auto fold = [](double x, double y) { return -std::abs(y) * SlopeOf(std::max(0.0, 150 * (0.5 - x * x))); };
+  EXPECT_THAT(CreasesOf(testing::HeightField(40, fold)), IsEmpty());
+}
+
+TEST(FindCreases, AreNoZigzagThatEndsInsideAPatch) {
+  const auto fold = [](double aside) {
+    TriangleMesh mesh =
+        testing::HeightField(40, [](double x, double y) { return -std::abs(y) * SlopeOf(std::max(0.0, -90 * x)); });
+    for (Vec3& p : mesh.positions) {
+      if (IsZero(p.y)) p.y = std::lround(20 * (p.x + 1)) % 2 == 0 ? aside : -aside;
+    }
+    return mesh;
+  };
+  EXPECT_THAT(CreasesOf(fold(0.002)), SizeIs(Ge(16)));
+  EXPECT_THAT(CreasesOf(fold(0.01)), IsEmpty());
+}
+
+TEST(FindCreases, AreFaintLinesFromCreaseToCrease) {
+  const auto bent = [](int n, double degrees) {
+    return testing::Mapped(testing::Cube(n), [=](const Vec3& p) {
+      return Vec3{p.x, p.y, p.z - 0.5 * (1 + p.z) * SlopeOf(degrees) * std::abs(p.y)};
+    });
+  };
+  EXPECT_THAT(CreasesOf(bent(8, 18)), SizeIs(12 * 8 + 8));
+  EXPECT_THAT(CreasesOf(bent(8, 9)), SizeIs(12 * 8)) << "fainter than a quarter of the angle";
+  EXPECT_THAT(CreasesOf(bent(2, 18)), SizeIs(12 * 2)) << "of two edges";
+}
+
+TEST(FindCreases, AreNotTheFacetsOfACylinder) {
+  for (const int rows : {1, 4, 12}) EXPECT_THAT(CreasesOf(testing::CappedCylinder(1, 2, 20, rows)), SizeIs(2 * 20));
 }
 
 TEST(FindCreases, MayEndOnTheRimOfASheet) {
