@@ -64,6 +64,7 @@ class CreaseFinder {
   uint32_t StraightOn(uint32_t at, const Vec3& direction, double least_cosine) const;
   std::vector<uint32_t> FadeAt(uint32_t end, double least_length) const;
   void FindFades();
+  int CreasesAt(uint32_t v) const;
   void AddFades();
   bool StandsOut(uint32_t h, uint32_t next) const;
   bool IsFaintLine(uint32_t h, double least_length, std::vector<uint32_t>& line) const;
@@ -241,9 +242,16 @@ void CreaseFinder::FindFades() {
   }
 }
 
+// Rims are none: scans have long folds that start there.
+int CreaseFinder::CreasesAt(uint32_t v) const {
+  int creases = 0;
+  VisitInner(v, [&](uint32_t h) { creases += crease_[h]; });
+  return creases;
+}
+
 void CreaseFinder::AddFades() {
   for (const std::vector<uint32_t>& line : fades_) {
-    if (degree_[Target(line.back())] < 2 || crease_[line.front()]) continue;
+    if (CreasesAt(Target(line.back())) < 2 || crease_[line.front()]) continue;
     uint32_t at = Origin(line.front());
     Vec3 direction = Normalized(Place(at) - Place(Target(line.front())));
     for (const uint32_t h : line) Set(h, true);
@@ -290,7 +298,7 @@ bool CreaseFinder::IsFaintLine(uint32_t h, double least_length, std::vector<uint
 }
 
 void CreaseFinder::AddFaintLines() {
-  const double least_length = kFadeOfDiagonal * BoundingBox(mesh_, adjacency_).Diagonal();
+  const double least_length = kFaintOfDiagonal * BoundingBox(mesh_, adjacency_).Diagonal();
   std::vector<uint32_t> line, faint;
   for (uint32_t v = 0; v < degree_.size(); ++v) {
     if (degree_[v] < 2) continue;

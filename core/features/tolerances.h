@@ -72,12 +72,13 @@ inline constexpr double kBridgeStraightness = 0.7;  // … each within 45° of t
 // A line that starts at a crease and ends inside a patch is a crease that fades out where its last edges, so many and so much of the
 // diagonal, are straight (mean cosine: 18°); it is followed over edges that turn by at least this part of the angle.
 inline constexpr uint32_t kFadeEdges = 8;
-inline constexpr double kFadeOfDiagonal = 0.01;
+inline constexpr double kFadeOfDiagonal = 0.02;
 inline constexpr double kFadeStraightness = 0.95;
 inline constexpr double kFadedCrease = 0.25;
-// A line from crease to crease is one itself, however faint, down to kFadedCrease, where it has so many edges and stands out: where edges
-// around turn by at most this part of it. Facets of a cylinder don't.
+// A line from crease to crease is one itself, however faint, down to kFadedCrease, where it has so many edges and so much of the
+// diagonal, and stands out: edges around it turn by at most this part of it. Facets of a cylinder don't.
 inline constexpr uint32_t kFaintEdges = 3;
+inline constexpr double kFaintOfDiagonal = 0.01;
 inline constexpr double kFlatBesideFaint = 0.5;
 // A face lower than this part of its longest side has no normal of its own, whatever the diagonal.
 inline constexpr double kSliverHeight = 1e-4;
