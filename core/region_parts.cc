@@ -1,8 +1,7 @@
 #include "core/region_parts.h"
 
 #include <algorithm>
-#include <array>
-#include <cstring>
+#include <utility>
 
 #include "core/geometry/box.h"
 
@@ -12,67 +11,49 @@ namespace {
 constexpr int kRingsAround = 4;  // one more than the curvature fit looks at
 
 // The faces of the surroundings, one flag each.
-std::vector<bool> MarkSurroundings(const TriangleMesh& mesh, const std::vector<bool>& chosen, double reach) {
+std::vector<uint8_t> MarkSurroundings(const PreparedInput& input, const std::vector<uint32_t>& chosen, double reach) {
+  const TriangleMesh& mesh = input.mesh();
   Box3 box;
-  std::vector<bool> touched(mesh.positions.size(), false);
-  for (size_t f = 0; f < chosen.size(); ++f) {
-    if (!chosen[f]) continue;
-    for (const VertexId v : mesh.triangles[f]) box.Extend(mesh.PositionAt(v)), touched[v.index()] = true;
+  std::vector<uint8_t> touched(mesh.positions.size(), 0), marked(mesh.triangles.size(), 0);
+  std::vector<uint32_t> ring, next;  // vertices
+  const auto touch = [&](VertexId v, std::vector<uint32_t>& list) {
+    if (!touched[v.index()]) touched[v.index()] = 1, list.push_back(v.index());
+  };
+  for (const uint32_t f : chosen) {
+    marked[f] = 1;
+    for (const VertexId v : mesh.triangles[f]) box.Extend(mesh.PositionAt(v)), touch(v, ring);
   }
-  std::vector<bool> marked = chosen;
-  for (int ring = 0; ring < kRingsAround; ++ring) {
-    std::vector<bool> next = touched;
-    for (size_t f = 0; f < marked.size(); ++f) {
-      const Triangle& t = mesh.triangles[f];
-      if (!touched[t[0].index()] && !touched[t[1].index()] && !touched[t[2].index()]) continue;
-      marked[f] = true;
-      for (const VertexId v : t) next[v.index()] = true;
+  for (int i = 0; i < kRingsAround; ++i) {
+    next.clear();
+    for (const uint32_t v : ring) {
+      VisitOutgoing(input.adjacency(), v, [&](uint32_t h) {
+        marked[h / 3] = 1;
+        for (const VertexId u : mesh.triangles[h / 3]) touch(u, next);
+      });
     }
-    touched = std::move(next);
+    std::swap(ring, next);
   }
   const double reach2 = reach * reach;
   for (size_t v = 0; v < touched.size(); ++v) touched[v] = box.SquaredDistanceTo(mesh.positions[v]) <= reach2;
   for (size_t f = 0; f < marked.size(); ++f) {
     const Triangle& t = mesh.triangles[f];
-    if (touched[t[0].index()] || touched[t[1].index()] || touched[t[2].index()]) marked[f] = true;
+    marked[f] |= touched[t[0].index()] | touched[t[1].index()] | touched[t[2].index()];
   }
   return marked;
 }
 
-std::vector<double> ComponentDiagonals(const TriangleMesh& mesh, const FaceComponents& components) {
-  std::vector<Box3> boxes(components.count);
-  for (size_t f = 0; f < mesh.triangles.size(); ++f) {
-    for (const VertexId v : mesh.triangles[f]) boxes[components.label[f]].Extend(mesh.PositionAt(v));
-  }
-  std::vector<double> diagonals;
-  for (const Box3& box : boxes) diagonals.push_back(box.Diagonal());
-  return diagonals;
-}
-
-bool IsSameFace(const TriangleMesh& a, const Triangle& s, const TriangleMesh& b, const Triangle& t) {
-  for (int turn = 0; turn < 3; ++turn) {
-    bool same = true;
-    for (int i = 0; i < 3; ++i)
-      same = same && std::memcmp(&a.PositionAt(s[i]), &b.PositionAt(t[(i + turn) % 3]), sizeof(Vec3)) == 0;
-    if (same) return true;
-  }
-  return false;
-}
-
 }  // namespace
 
-TriangleMesh CutOutSurroundings(const FaceAdjacency& adjacency, double reach, RegionParts& parts) {
-  const TriangleMesh& whole = parts.whole;
-  const std::vector<bool> marked = MarkSurroundings(whole, parts.chosen, reach);
-  const FaceComponents components = LabelComponents(adjacency);
-  const std::vector<double> diagonals = ComponentDiagonals(whole, components);
+TriangleMesh CutOutSurroundings(double reach, RegionParts& parts) {
+  const TriangleMesh& whole = parts.whole();
+  const std::vector<uint8_t> marked = MarkSurroundings(*parts.input, parts.chosen_faces, reach);
   TriangleMesh around;
   std::vector<uint32_t> names(whole.positions.size(), kNoHalfEdge);
   for (uint32_t f = 0; f < marked.size(); ++f) {
     if (!marked[f]) continue;
     parts.around_faces.push_back(f);
     parts.around_chosen.push_back(parts.chosen[f]);
-    parts.diagonals.push_back(diagonals[components.label[f]]);
+    parts.diagonals.push_back(parts.input->ComponentDiagonalAt(f));
     for (const VertexId v : whole.triangles[f]) names[v.index()] = 0;
   }
   for (uint32_t v = 0; v < names.size(); ++v) {
@@ -102,27 +83,19 @@ std::vector<uint32_t> BorderOf(const RegionParts& parts, const MeshSurface& regi
   return border;
 }
 
-void CompareWithInput(const TriangleMesh& input, bool is_repaired, RegionParts& parts) {
-  if (!is_repaired) {
-    for (uint32_t f = 0; f < parts.chosen.size() && parts.patch_only; ++f) {
-      if (parts.chosen[f]) parts.report.removed_faces.push_back(f);
-    }
-    return;
+void CompareWithInput(RegionParts& parts) {
+  const PreparedInput& input = *parts.input;
+  const std::vector<uint32_t>& origins = parts.whole().face_origins;
+  std::vector<uint32_t>& removed = parts.report.removed_faces;
+  parts.dropped_outside = input.dropped_faces().size();
+  parts.changed_outside = input.changed_faces();
+  for (const uint32_t f : parts.chosen_faces) {
+    parts.changed_outside -= input.IsChanged(f);
+    if (parts.patch_only) removed.push_back(origins[f]);
   }
-  std::vector<bool> is_kept(input.triangles.size(), false);
-  std::vector<bool> is_left(input.triangles.size(), false);
-  for (size_t f = 0; f < parts.whole.triangles.size(); ++f) {
-    const uint32_t origin = parts.whole.face_origins[f];
-    is_left[origin] = true;
-    if (parts.chosen[f]) continue;
-    is_kept[origin] = true;
-    parts.changed_outside += !IsSameFace(input, input.triangles[origin], parts.whole, parts.whole.triangles[f]);
-  }
-  parts.dropped_outside = std::count(is_left.begin(), is_left.end(), false);
   if (!parts.patch_only) return;
-  for (uint32_t f = 0; f < is_kept.size(); ++f) {
-    if (!is_kept[f]) parts.report.removed_faces.push_back(f);
-  }
+  removed.insert(removed.end(), input.dropped_faces().begin(), input.dropped_faces().end());
+  std::sort(removed.begin(), removed.end());
 }
 
 void AddFacesAround(const RegionParts& parts, TriangleMesh& mesh) {

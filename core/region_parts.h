@@ -11,6 +11,7 @@
 #include "absl/status/statusor.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/triangle_mesh.h"
+#include "core/prepared_input.h"
 #include "core/region.h"
 #include "core/region_blend.h"
 #include "core/surface/mesh_surface.h"
@@ -19,8 +20,9 @@ namespace meshfront {
 
 // The surroundings are all that the region's curvature, normals and thickness depend on: the region and what lies near it.
 struct RegionParts {
-  TriangleMesh whole;        // after repair, in the input's own scale, with the origins of its faces
-  std::vector<bool> chosen;  // of each of its faces: in the region
+  std::shared_ptr<const PreparedInput> input;  // in the input's own scale
+  std::vector<uint32_t> chosen_faces;          // of its mesh, in increasing order: the region
+  std::vector<bool> chosen;                    // the same as flags
   bool patch_only = false;
   std::vector<uint32_t> around_vertices;  // of each vertex of the surroundings, that of the whole
   std::vector<uint32_t> around_faces;     // … and of each face
@@ -31,10 +33,12 @@ struct RegionParts {
   uint64_t changed_outside = 0,
            dropped_outside = 0;  // faces of the input beside the region that repair changed, and dropped
   RegionReport report;
+
+  const TriangleMesh& whole() const { return input->mesh(); }
 };
 
-// Takes the surroundings out of `parts.whole`: faces with a vertex within `reach` of the region's box, and four rings around it.
-TriangleMesh CutOutSurroundings(const FaceAdjacency& adjacency, double reach, RegionParts& parts);
+// Takes the surroundings out of the whole: faces with a vertex within `reach` of the region's box, and four rings around it.
+TriangleMesh CutOutSurroundings(double reach, RegionParts& parts);
 
 // The surface of the region alone, of the surroundings' (which has its curvature).
 std::unique_ptr<MeshSurface> CutOutRegion(const RegionParts& parts);
@@ -42,8 +46,8 @@ std::unique_ptr<MeshSurface> CutOutRegion(const RegionParts& parts);
 // The vertices of the whole on the region's border, in the order of its joints.
 std::vector<uint32_t> BorderOf(const RegionParts& parts, const MeshSurface& region);
 
-// Counts what repair, if any (`is_repaired`), changed of `input` outside of the region, and lists what is gone with it.
-void CompareWithInput(const TriangleMesh& input, bool is_repaired, RegionParts& parts);
+// Counts what repair changed of the input outside of the region, and with patch_only lists what is gone with it.
+void CompareWithInput(RegionParts& parts);
 
 // Adds the faces around the region that lie within the box of `mesh`, which takes the region's place, in its scale.
 void AddFacesAround(const RegionParts& parts, TriangleMesh& mesh);

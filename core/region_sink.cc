@@ -15,7 +15,7 @@ constexpr size_t kTrianglesPerPiece = 8192;
 absl::Status RegionSink::SendRest() {
   border_names_.assign(border_.size(), VertexId());
   if (parts_.patch_only) return absl::OkStatus();
-  const TriangleMesh& whole = parts_.whole;
+  const TriangleMesh& whole = parts_.whole();
   const std::vector<Vec3> normals = ComputeVertexNormals(whole);
   std::vector<VertexId> names(whole.positions.size());
   std::vector<bool> on_border(whole.positions.size(), false);
@@ -61,7 +61,7 @@ VertexId RegionSink::NameOf(const OutputVertex& v, std::vector<OutputVertex>& ve
   const VertexId name(static_cast<uint32_t>(sent_.positions.size()));
   vertices.push_back(v);
   if (on_border) {
-    vertices.back().position = parts_.whole.positions[border_[v.joint]];
+    vertices.back().position = parts_.whole().positions[border_[v.joint]];
     border_names_[v.joint] = name;
   }
   sent_.positions.push_back(vertices.back().position);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -71,6 +72,8 @@ absl::StatusOr<RepairResult> RepairInput(TriangleMesh mesh, const RemeshOptions&
 // The same where a region of it is to be remeshed: slivers and the direction of components stay.
 absl::StatusOr<RepairResult> RepairInputOfRegion(TriangleMesh mesh, const Context& context);
 
+class PreparedInput;
+
 struct Problem {
   TriangleMesh mesh;  // as read, or without triangles a point set; consumed
   RemeshOptions options;
@@ -78,6 +81,8 @@ struct Problem {
   // the new ones; the vertices on its border stay, and are joined to both. Repairs, of the whole, leave slivers and the direction of
   // components alone then. target_triangles counts the new triangles.
   std::optional<Region> region;
+  // In place of the mesh: what regions of it begin with (prepared_input.h). Without a region, the whole of it.
+  std::shared_ptr<const PreparedInput> prepared = nullptr;
 };
 
 struct InputReport {
