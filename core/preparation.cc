@@ -228,7 +228,7 @@ absl::Status ChooseRegion(const Region& region, std::shared_ptr<const PreparedIn
     p.everything = ReportEverything(region, *input);
     return absl::OkStatus();
   }
-  p.drops_attributes = p.parameters.options.attributes && !input->mesh().attributes.empty();
+  parts->keeps_attributes = p.parameters.options.attributes && !input->mesh().attributes.empty();
   parts->patch_only = region.patch_only;
   parts->chosen.resize(input->mesh().triangles.size());
   for (const uint32_t f : parts->chosen_faces) parts->chosen[f] = true;
@@ -283,6 +283,7 @@ absl::Status MeasureCurvature(Preparation& p, const Context& context) {
   MESHFRONT_RETURN_IF_ERROR(p.surface->ComputeCurvatureOf(parts.around_chosen, context));
   parts.around = std::move(p.surface);
   p.surface = CutOutRegion(parts);
+  p.attributes = AttributesOfRegion(parts, std::move(p.attributes));
   const RemeshOptions& options = p.parameters.options;
   MESHFRONT_ASSIGN_OR_RETURN(parts.blend, RegionBlend::Create(*p.surface, options.blend, options.eta, context));
   return absl::OkStatus();

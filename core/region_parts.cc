@@ -44,6 +44,34 @@ std::vector<uint8_t> MarkSurroundings(const PreparedInput& input, const std::vec
 
 }  // namespace
 
+namespace {
+
+// Those of some faces, with the wedges that they use.
+MeshAttributes CutOutAttributes(const MeshAttributes& whole, const std::vector<uint32_t>& faces) {
+  constexpr uint32_t unnamed = 0xffffffffu;
+  MeshAttributes part;
+  part.channels = whole.channels;
+  std::vector<uint32_t> names(whole.wedge_count(), unnamed);
+  uint32_t count = 0;
+  for (const uint32_t f : faces) {
+    if (!whole.groups.empty()) part.groups.push_back(whole.groups[f]);
+    if (whole.corners.empty()) continue;
+    CornerWedges corners = whole.corners[f];
+    for (uint32_t& w : corners) {
+      if (names[w] == unnamed) {
+        names[w] = count++;
+        const absl::Span<const float> values = whole.WedgeAt(w);
+        part.values.insert(part.values.end(), values.begin(), values.end());
+      }
+      w = names[w];
+    }
+    part.corners.push_back(corners);
+  }
+  return part;
+}
+
+}  // namespace
+
 TriangleMesh CutOutSurroundings(double reach, RegionParts& parts) {
   const TriangleMesh& whole = parts.whole();
   const std::vector<uint8_t> marked = MarkSurroundings(*parts.input, parts.chosen_faces, reach);
@@ -67,7 +95,17 @@ TriangleMesh CutOutSurroundings(double reach, RegionParts& parts) {
     for (int i = 0; i < 3; ++i) t[i] = VertexId(names[whole.triangles[f][i].index()]);
     around.triangles.push_back(t);
   }
+  if (parts.keeps_attributes) around.attributes = CutOutAttributes(whole.attributes, parts.around_faces);
   return around;
+}
+
+MeshAttributes AttributesOfRegion(const RegionParts& parts, MeshAttributes around) {
+  if (around.empty()) return around;
+  std::vector<uint32_t> faces;
+  for (uint32_t f = 0; f < parts.around_chosen.size(); ++f) {
+    if (parts.around_chosen[f]) faces.push_back(f);
+  }
+  return CutOutAttributes(around, faces);
 }
 
 std::unique_ptr<MeshSurface> CutOutRegion(const RegionParts& parts) {

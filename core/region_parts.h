@@ -24,6 +24,7 @@ struct RegionParts {
   std::vector<uint32_t> chosen_faces;          // of its mesh, in increasing order: the region
   std::vector<bool> chosen;                    // the same as flags
   bool patch_only = false;
+  bool keeps_attributes = false;          // there are some, and they are wanted
   std::vector<uint32_t> around_vertices;  // of each vertex of the surroundings, that of the whole
   std::vector<uint32_t> around_faces;     // … and of each face
   std::vector<bool> around_chosen;        // … whether it is in the region
@@ -37,11 +38,15 @@ struct RegionParts {
   const TriangleMesh& whole() const { return input->mesh(); }
 };
 
-// Takes the surroundings out of the whole: faces with a vertex within `reach` of the region's box, and four rings around it.
+// Takes the surroundings out of the whole, with their attributes where those are kept: faces with a vertex within `reach` of the region's
+// box, and four rings around it.
 TriangleMesh CutOutSurroundings(double reach, RegionParts& parts);
 
 // The surface of the region alone, of the surroundings' (which has its curvature).
 std::unique_ptr<MeshSurface> CutOutRegion(const RegionParts& parts);
+
+// Of the surroundings' attributes those of the region's faces.
+MeshAttributes AttributesOfRegion(const RegionParts& parts, MeshAttributes around);
 
 // The vertices of the whole on the region's border, in the order of its joints.
 std::vector<uint32_t> BorderOf(const RegionParts& parts, const MeshSurface& region);

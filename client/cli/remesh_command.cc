@@ -174,9 +174,9 @@ class RemeshCommand {
     return ExitCode::kDone;
   }
 
-  // What OUT has no place for, or a region would lose, is not sent, so that the surface is not cut along its seams.
+  // What OUT has no place for is not sent, so that the surface is not cut along its seams.
   void ChooseAttributes() {
-    const bool has_place = HoldsAttributes(out_format_) && !arguments_.meshing.region;
+    const bool has_place = HoldsAttributes(out_format_);
     const bool wanted = arguments_.meshing.attributes != "drop";
     std::vector<std::string> left_out = input_.dropped_attributes;
     if (wanted && !has_place) {
