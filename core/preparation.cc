@@ -81,14 +81,15 @@ double SliverReach(const RemeshOptions& options, double diagonal, double scale) 
   return std::min(reach, kSliverReachPerError * Resolve(options.max_error, diagonal, scale, 0));
 }
 
-// The creases; where the input may be repaired, of a mesh whose slivers are mended if they have sides among them. `reach` 0: none is.
+// The creases; where the input may be repaired, of a mesh whose slivers are mended if they have sides among them, but for `kept` faces.
 absl::StatusOr<std::vector<bool>> MendAndFindCreases(TriangleMesh& mesh, FaceAdjacency& adjacency,
                                                      const RemeshOptions& options, double reach,
-                                                     std::vector<RepairAction>& repairs, const Context& context) {
+                                                     const std::vector<bool>& kept, std::vector<RepairAction>& repairs,
+                                                     const Context& context) {
   const double angle = *options.crease_angle * std::numbers::pi / 180;
   MESHFRONT_ASSIGN_OR_RETURN(std::vector<bool> creases, FindCreases(mesh, adjacency, angle, context));
-  if (!options.repair || reach == 0) return creases;
-  const SliverChanges changes = MendSlivers(mesh, adjacency, creases, reach);
+  if (!options.repair) return creases;
+  const SliverChanges changes = MendSlivers(mesh, adjacency, creases, reach, kept);
   if (changes.flipped_caps > 0) repairs.push_back({"flipped_caps", changes.flipped_caps});
   if (changes.collapsed_needles > 0) repairs.push_back({"collapsed_needles", changes.collapsed_needles});
   if (!changes.any()) return creases;
@@ -99,20 +100,23 @@ absl::StatusOr<std::vector<bool>> MendAndFindCreases(TriangleMesh& mesh, FaceAdj
 absl::StatusOr<std::unique_ptr<MeshSurface>> MakeSurface(TriangleMesh mesh, std::optional<FaceAdjacency> adjacency,
                                                          const RemeshOptions& options, Preparation& p,
                                                          const Context& context) {
-  if (!options.crease_angle && mesh.attributes.empty())
+  if (!options.crease_angle && mesh.attributes.empty() && !p.region)
     return MeshSurface::Create(std::move(mesh), std::move(adjacency), context);
   if (!adjacency) adjacency = FindOrientedAdjacency(mesh);
   if (!adjacency) return absl::InvalidArgumentError("the mesh is not an oriented manifold; repair it first");
-  // Around a region nothing may move, and slivers on its border would.
-  const double reach = p.region ? 0 : SliverReach(options, p.input.diagonal * p.scale, p.scale);
+  const double reach = SliverReach(options, p.input.diagonal * p.scale, p.scale);
+  const std::vector<bool> kept = p.region ? FacesBesideRegion(mesh, *p.region) : std::vector<bool>();
   const size_t repairs = p.input.repairs.size();
   std::vector<bool> creases(3 * mesh.triangles.size());
   if (options.crease_angle) {
-    MESHFRONT_ASSIGN_OR_RETURN(creases, MendAndFindCreases(mesh, *adjacency, options, reach, p.input.repairs, context));
+    MESHFRONT_ASSIGN_OR_RETURN(creases,
+                               MendAndFindCreases(mesh, *adjacency, options, reach, kept, p.input.repairs, context));
   }
   if (!mesh.attributes.empty()) p.has_flat_normals = MarkAttributeSeams(mesh, *adjacency, creases);
   if (!p.input.repairs.empty()) MarkSeams(mesh, *adjacency, creases);
-  if (p.input.repairs.size() > repairs) p.input.topology = MeasureTopology(mesh, *adjacency);
+  const bool is_mended = p.input.repairs.size() > repairs;
+  if (p.region) NameSurroundings(mesh, p.scale, *p.region);
+  if (is_mended && !p.region) p.input.topology = MeasureTopology(mesh, *adjacency);
   p.attributes = std::exchange(mesh.attributes, {});
   return MeshSurface::Create(std::move(mesh), *std::move(adjacency), creases, context);
 }
@@ -326,7 +330,8 @@ absl::StatusOr<RepairResult> RepairInput(TriangleMesh mesh, const RemeshOptions&
   };
   if (scale != 1) multiply(scale);
   MESHFRONT_RETURN_IF_ERROR(MendAndFindCreases(result.mesh, result.adjacency, options,
-                                               SliverReach(options, diagonal * scale, scale), result.actions, context)
+                                               SliverReach(options, diagonal * scale, scale), {}, result.actions,
+                                               context)
                                 .status());
   if (scale != 1) multiply(1 / scale);
   return result;

@@ -72,31 +72,53 @@ MeshAttributes CutOutAttributes(const MeshAttributes& whole, const std::vector<u
 
 }  // namespace
 
-TriangleMesh CutOutSurroundings(double reach, RegionParts& parts) {
+TriangleMesh CutOutSurroundings(double reach, const RegionParts& parts) {
   const TriangleMesh& whole = parts.whole();
   const std::vector<uint8_t> marked = MarkSurroundings(*parts.input, parts.chosen_faces, reach);
   TriangleMesh around;
-  std::vector<uint32_t> names(whole.positions.size(), kNoHalfEdge);
+  std::vector<uint32_t>& faces = around.face_origins;
+  constexpr uint32_t unused = 0xffffffffu;
+  std::vector<uint32_t> names(whole.positions.size(), unused);
   for (uint32_t f = 0; f < marked.size(); ++f) {
     if (!marked[f]) continue;
-    parts.around_faces.push_back(f);
-    parts.around_chosen.push_back(parts.chosen[f]);
-    parts.diagonals.push_back(parts.input->ComponentDiagonalAt(f));
+    faces.push_back(f);
     for (const VertexId v : whole.triangles[f]) names[v.index()] = 0;
   }
   for (uint32_t v = 0; v < names.size(); ++v) {
-    if (names[v] != 0) continue;
+    if (names[v] == unused) continue;
     names[v] = static_cast<uint32_t>(around.positions.size());
     around.positions.push_back(whole.positions[v]);
-    parts.around_vertices.push_back(v);
   }
-  for (const uint32_t f : parts.around_faces) {
+  for (const uint32_t f : faces) {
     Triangle t;
     for (int i = 0; i < 3; ++i) t[i] = VertexId(names[whole.triangles[f][i].index()]);
     around.triangles.push_back(t);
   }
-  if (parts.keeps_attributes) around.attributes = CutOutAttributes(whole.attributes, parts.around_faces);
+  if (parts.keeps_attributes) around.attributes = CutOutAttributes(whole.attributes, faces);
   return around;
+}
+
+std::vector<bool> FacesBesideRegion(const TriangleMesh& around, const RegionParts& parts) {
+  std::vector<bool> beside;
+  beside.reserve(around.face_origins.size());
+  for (const uint32_t f : around.face_origins) beside.push_back(!parts.chosen[f]);
+  return beside;
+}
+
+void NameSurroundings(TriangleMesh& around, double scale, RegionParts& parts) {
+  const TriangleMesh& whole = parts.whole();
+  parts.around_vertices.assign(around.positions.size(), 0);
+  for (size_t i = 0; i < around.triangles.size(); ++i) {
+    const uint32_t f = around.face_origins[i];
+    const Triangle &t = around.triangles[i], &original = whole.triangles[f];
+    bool is_same = true;
+    for (int k = 0; k < 3; ++k) is_same = is_same && around.PositionAt(t[k]) == whole.PositionAt(original[k]) * scale;
+    for (int k = 0; k < 3 && is_same; ++k) parts.around_vertices[t[k].index()] = original[k].index();
+    parts.around_chosen.push_back(parts.chosen[f]);
+    parts.diagonals.push_back(parts.input->ComponentDiagonalAt(f));
+    if (parts.chosen[f]) parts.region_faces.push_back(is_same ? f : kNoFace);
+  }
+  around.face_origins = {};
 }
 
 MeshAttributes AttributesOfRegion(const RegionParts& parts, MeshAttributes around) {

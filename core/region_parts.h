@@ -18,17 +18,20 @@
 
 namespace meshfront {
 
+inline constexpr uint32_t kNoFace = 0xffffffffu;
+
 // The surroundings are all that the region's curvature, normals and thickness depend on: the region and what lies near it.
 struct RegionParts {
   std::shared_ptr<const PreparedInput> input;  // in the input's own scale
   std::vector<uint32_t> chosen_faces;          // of its mesh, in increasing order: the region
   std::vector<bool> chosen;                    // the same as flags
   bool patch_only = false;
-  bool keeps_attributes = false;          // there are some, and they are wanted
-  std::vector<uint32_t> around_vertices;  // of each vertex of the surroundings, that of the whole
-  std::vector<uint32_t> around_faces;     // … and of each face
-  std::vector<bool> around_chosen;        // … whether it is in the region
-  std::shared_ptr<MeshSurface> around;    // their surface, in the scale of the region's
+  bool keeps_attributes = false;  // there are some, and they are wanted
+  std::vector<uint32_t>
+      around_vertices;              // of each vertex of the surroundings that one of the whole, where the rest uses it
+  std::vector<bool> around_chosen;  // of each face, whether it is in the region
+  std::vector<uint32_t> region_faces;   // of each of these that of the whole; kNoFace: mending changed it
+  std::shared_ptr<MeshSurface> around;  // their surface, in the scale of the region's
   std::optional<RegionBlend> blend;
   std::vector<double> diagonals;  // of the component of each face of the surroundings, at the input's scale
   uint64_t changed_outside = 0,
@@ -38,12 +41,19 @@ struct RegionParts {
   const TriangleMesh& whole() const { return input->mesh(); }
 };
 
-// Takes the surroundings out of the whole, with their attributes where those are kept: faces with a vertex within `reach` of the region's
+// Takes the surroundings out of the whole, with the origins of their faces there, and their attributes where those are kept: faces with a vertex within `reach` of the region's
 // box, and four rings around it.
-TriangleMesh CutOutSurroundings(double reach, RegionParts& parts);
+TriangleMesh CutOutSurroundings(double reach, const RegionParts& parts);
 
 // The surface of the region alone, of the surroundings' (which has its curvature).
 std::unique_ptr<MeshSurface> CutOutRegion(const RegionParts& parts);
+
+// Which faces of the surroundings, as they were cut out, are not in the region: one flag each.
+std::vector<bool> FacesBesideRegion(const TriangleMesh& around, const RegionParts& parts);
+
+// Says in the parts what the faces and vertices of the surroundings are, `scale` times as large and with the region's slivers mended. Takes
+// the origins of the faces.
+void NameSurroundings(TriangleMesh& around, double scale, RegionParts& parts);
 
 // Of the surroundings' attributes those of the region's faces.
 MeshAttributes AttributesOfRegion(const RegionParts& parts, MeshAttributes around);

@@ -112,7 +112,8 @@ VertexId RegionSink::NameOf(const OutputVertex& v, std::vector<OutputVertex>& ve
 uint32_t RegionSink::SharedWedge(const OutputWedge& w) const {
   if (rest_wedges_.empty()) return kNoWedge;
   const double weights[3] = {1 - w.u - w.v, w.u, w.v};
-  const uint32_t face = parts_.chosen_faces[w.face];
+  const uint32_t face = parts_.region_faces[w.face];
+  if (face == kNoFace) return kNoWedge;
   for (int i = 0; i < 3; ++i) {
     if (weights[i] < kAtCorner) continue;
     if (on_border_[parts_.whole().triangles[face][i].index()])
