@@ -36,6 +36,8 @@ struct CallOptions {
   std::vector<uint32_t>
       region_faces;  // where they are the region: 0-based input order; announced in the options for you
   v1::OutputFormat output;
+  std::string session_id;     // of an earlier call's Summary: its mesh, in place of the one given, which must be empty
+  bool keep_session = false;  // the server keeps the mesh; Summary.session names it
   absl::Time deadline = absl::InfiniteFuture();
   CallCanceller* canceller = nullptr;  // may be null; outlives the call
 };

@@ -26,6 +26,7 @@
 #include "core/mesh/repair_slivers.h"
 #include "core/point_preparation.h"
 #include "core/preparation_steps.h"
+#include "core/prepared_input.h"
 #include "core/region_selection.h"
 
 namespace meshfront {
@@ -58,11 +59,10 @@ double ScaleFor(double diagonal) {
 
 namespace {
 
-absl::Status Mend(TriangleMesh& mesh, const RemeshOptions& options, bool is_region, InputReport& report,
+absl::Status Mend(TriangleMesh& mesh, const RemeshOptions& options, InputReport& report,
                   std::optional<FaceAdjacency>& adjacency, const Context& context) {
   if (!options.repair) return RequireManifold(mesh);
-  MESHFRONT_ASSIGN_OR_RETURN(RepairResult repaired, is_region ? RepairMeshAsOriented(std::move(mesh), context)
-                                                              : RepairMesh(std::move(mesh), context));
+  MESHFRONT_ASSIGN_OR_RETURN(RepairResult repaired, RepairMesh(std::move(mesh), context));
   mesh = std::move(repaired.mesh);
   report.repairs = std::move(repaired.actions);
   adjacency = std::move(repaired.adjacency);
@@ -81,14 +81,15 @@ double SliverReach(const RemeshOptions& options, double diagonal, double scale) 
   return std::min(reach, kSliverReachPerError * Resolve(options.max_error, diagonal, scale, 0));
 }
 
-// The creases; where the input may be repaired, of a mesh whose slivers are mended if they have sides among them. `reach` 0: none is.
+// The creases; where the input may be repaired, of a mesh whose slivers are mended if they have sides among them, but for `kept` faces.
 absl::StatusOr<std::vector<bool>> MendAndFindCreases(TriangleMesh& mesh, FaceAdjacency& adjacency,
                                                      const RemeshOptions& options, double reach,
-                                                     std::vector<RepairAction>& repairs, const Context& context) {
+                                                     const std::vector<bool>& kept, std::vector<RepairAction>& repairs,
+                                                     const Context& context) {
   const double angle = *options.crease_angle * std::numbers::pi / 180;
   MESHFRONT_ASSIGN_OR_RETURN(std::vector<bool> creases, FindCreases(mesh, adjacency, angle, context));
-  if (!options.repair || reach == 0) return creases;
-  const SliverChanges changes = MendSlivers(mesh, adjacency, creases, reach);
+  if (!options.repair) return creases;
+  const SliverChanges changes = MendSlivers(mesh, adjacency, creases, reach, kept);
   if (changes.flipped_caps > 0) repairs.push_back({"flipped_caps", changes.flipped_caps});
   if (changes.collapsed_needles > 0) repairs.push_back({"collapsed_needles", changes.collapsed_needles});
   if (!changes.any()) return creases;
@@ -99,20 +100,23 @@ absl::StatusOr<std::vector<bool>> MendAndFindCreases(TriangleMesh& mesh, FaceAdj
 absl::StatusOr<std::unique_ptr<MeshSurface>> MakeSurface(TriangleMesh mesh, std::optional<FaceAdjacency> adjacency,
                                                          const RemeshOptions& options, Preparation& p,
                                                          const Context& context) {
-  if (!options.crease_angle && mesh.attributes.empty())
+  if (!options.crease_angle && mesh.attributes.empty() && !p.region)
     return MeshSurface::Create(std::move(mesh), std::move(adjacency), context);
   if (!adjacency) adjacency = FindOrientedAdjacency(mesh);
   if (!adjacency) return absl::InvalidArgumentError("the mesh is not an oriented manifold; repair it first");
-  // Around a region nothing may move, and slivers on its border would.
-  const double reach = p.region ? 0 : SliverReach(options, p.input.diagonal * p.scale, p.scale);
+  const double reach = SliverReach(options, p.input.diagonal * p.scale, p.scale);
+  const std::vector<bool> kept = p.region ? FacesBesideRegion(mesh, *p.region) : std::vector<bool>();
   const size_t repairs = p.input.repairs.size();
   std::vector<bool> creases(3 * mesh.triangles.size());
   if (options.crease_angle) {
-    MESHFRONT_ASSIGN_OR_RETURN(creases, MendAndFindCreases(mesh, *adjacency, options, reach, p.input.repairs, context));
+    MESHFRONT_ASSIGN_OR_RETURN(creases,
+                               MendAndFindCreases(mesh, *adjacency, options, reach, kept, p.input.repairs, context));
   }
   if (!mesh.attributes.empty()) p.has_flat_normals = MarkAttributeSeams(mesh, *adjacency, creases);
   if (!p.input.repairs.empty()) MarkSeams(mesh, *adjacency, creases);
-  if (p.input.repairs.size() > repairs) p.input.topology = MeasureTopology(mesh, *adjacency);
+  const bool is_mended = p.input.repairs.size() > repairs;
+  if (p.region) NameSurroundings(mesh, p.scale, *p.region);
+  if (is_mended && !p.region) p.input.topology = MeasureTopology(mesh, *adjacency);
   p.attributes = std::exchange(mesh.attributes, {});
   return MeshSurface::Create(std::move(mesh), *std::move(adjacency), creases, context);
 }
@@ -205,30 +209,36 @@ double ReachAround(const RemeshOptions& options, double diagonal) {
          (options.sizing == Sizing::kThickness ? kLongestThicknessPerDiagonal : kLongestSheetReachPerDiagonal);
 }
 
-RegionReport ReportEverything(const Region& region, const TriangleMesh& input, const TriangleMesh& mesh) {
+RegionReport ReportEverything(const Region& region, const PreparedInput& input) {
   RegionReport report;
-  report.replaced_triangles = mesh.triangles.size();
-  if (region.patch_only) report.removed_faces.resize(input.triangles.size());
+  report.replaced_triangles = input.mesh().triangles.size();
+  if (region.patch_only) report.removed_faces.resize(input.input_triangles());
   std::iota(report.removed_faces.begin(), report.removed_faces.end(), 0u);
   return report;
 }
 
 // The mesh is what surrounds the region from here on. Not where that is all of the mesh: p.everything is set then.
-absl::Status ChooseRegion(const Region& region, const TriangleMesh& input, TriangleMesh& mesh,
+absl::Status ChooseRegion(const Region& region, std::shared_ptr<const PreparedInput> input, TriangleMesh& mesh,
                           std::optional<FaceAdjacency>& adjacency, Preparation& p) {
+  p.input.topology = input->topology();
+  p.input.repairs = input->repairs();
+  p.input.diagonal = input->diagonal();
+  p.scale = ScaleFor(p.input.diagonal);
   auto parts = std::make_unique<RegionParts>();
-  MESHFRONT_ASSIGN_OR_RETURN(parts->chosen, SelectFaces(mesh, region, input.triangles.size()));
-  parts->report.replaced_triangles = std::count(parts->chosen.begin(), parts->chosen.end(), true);
-  parts->report.kept_triangles = parts->chosen.size() - parts->report.replaced_triangles;
+  MESHFRONT_ASSIGN_OR_RETURN(parts->chosen_faces, SelectFaces(input->mesh(), region, input->input_triangles()));
+  parts->report.replaced_triangles = parts->chosen_faces.size();
+  parts->report.kept_triangles = input->mesh().triangles.size() - parts->chosen_faces.size();
   if (parts->report.kept_triangles == 0) {
-    p.everything = ReportEverything(region, input, mesh);
+    p.everything = ReportEverything(region, *input);
     return absl::OkStatus();
   }
+  parts->keeps_attributes = p.parameters.options.attributes && !input->mesh().attributes.empty();
   parts->patch_only = region.patch_only;
-  parts->whole = std::move(mesh);
-  CompareWithInput(input, !p.input.repairs.empty(), *parts);
-  if (!adjacency) adjacency = CreateAdjacency(parts->whole);
-  mesh = CutOutSurroundings(*adjacency, ReachAround(p.parameters.options, p.input.diagonal), *parts);
+  parts->chosen.resize(input->mesh().triangles.size());
+  for (const uint32_t f : parts->chosen_faces) parts->chosen[f] = true;
+  parts->input = std::move(input);
+  CompareWithInput(*parts);
+  mesh = CutOutSurroundings(ReachAround(p.parameters.options, p.input.diagonal), *parts);
   adjacency = CreateAdjacency(mesh);
   p.region = std::move(parts);
   return absl::OkStatus();
@@ -240,25 +250,27 @@ void MeasureInput(const TriangleMesh& mesh, const std::optional<FaceAdjacency>& 
   p.scale = ScaleFor(p.input.diagonal);
 }
 
+// What the region begins with: made before, unless by another rule, or now.
+absl::StatusOr<std::shared_ptr<const PreparedInput>> PreparedInputOf(Problem& problem, const Context& context) {
+  const bool repair = problem.options.repair;
+  if (!problem.prepared) return PreparedInput::Create(std::move(problem.mesh), repair, context);
+  if (problem.prepared->repair() == repair) return problem.prepared;
+  return PreparedInput::Create(problem.prepared->Input(), repair, context);
+}
+
 // Repairs the problem's mesh, measures and scales it, or the part of it that the region needs.
 absl::Status MendAndChoose(Problem& problem, Preparation& p, std::optional<FaceAdjacency>& adjacency,
                            const Context& context) {
   TriangleMesh& mesh = problem.mesh;
-  TriangleMesh input;
   if (problem.region) {
     MESHFRONT_RETURN_IF_ERROR(ValidateRegion(*problem.region));
-    mesh.face_origins.resize(mesh.triangles.size());
-    std::iota(mesh.face_origins.begin(), mesh.face_origins.end(), 0u);
-    input = mesh;
+    MESHFRONT_ASSIGN_OR_RETURN(problem.prepared, PreparedInputOf(problem, context));
+    MESHFRONT_RETURN_IF_ERROR(ChooseRegion(*problem.region, problem.prepared, mesh, adjacency, p));
   }
-  const RemeshOptions& options = p.parameters.options;
-  MESHFRONT_RETURN_IF_ERROR(Mend(mesh, options, problem.region.has_value(), p.input, adjacency, context));
-  MeasureInput(mesh, adjacency, p);
-  if (problem.region) MESHFRONT_RETURN_IF_ERROR(ChooseRegion(*problem.region, input, mesh, adjacency, p));
-  if (p.everything) {  // as if no region had been asked for
-    mesh = std::move(input);
-    mesh.face_origins.clear();
-    MESHFRONT_RETURN_IF_ERROR(Mend(mesh, options, false, p.input, adjacency, context));
+  if (!p.region) {  // also where all of the mesh was asked for
+    if (problem.prepared) mesh = problem.prepared->Input();
+    if (!p.parameters.options.attributes) mesh.attributes = {};
+    MESHFRONT_RETURN_IF_ERROR(Mend(mesh, p.parameters.options, p.input, adjacency, context));
     MeasureInput(mesh, adjacency, p);
   }
   if (p.scale != 1) {
@@ -272,9 +284,10 @@ absl::Status MeasureCurvature(Preparation& p, const Context& context) {
   if (!p.region) return p.surface->ComputeCurvature(context);
   RegionParts& parts = *p.region;
   p.surface->SetWholeDiagonals([&](FaceId f) { return p.scale * parts.diagonals[f.index()]; });
-  MESHFRONT_RETURN_IF_ERROR(p.surface->ComputeCurvature(context));
+  MESHFRONT_RETURN_IF_ERROR(p.surface->ComputeCurvatureOf(parts.around_chosen, context));
   parts.around = std::move(p.surface);
   p.surface = CutOutRegion(parts);
+  p.attributes = AttributesOfRegion(parts, std::move(p.attributes));
   const RemeshOptions& options = p.parameters.options;
   MESHFRONT_ASSIGN_OR_RETURN(parts.blend, RegionBlend::Create(*p.surface, options.blend, options.eta, context));
   return absl::OkStatus();
@@ -317,7 +330,8 @@ absl::StatusOr<RepairResult> RepairInput(TriangleMesh mesh, const RemeshOptions&
   };
   if (scale != 1) multiply(scale);
   MESHFRONT_RETURN_IF_ERROR(MendAndFindCreases(result.mesh, result.adjacency, options,
-                                               SliverReach(options, diagonal * scale, scale), result.actions, context)
+                                               SliverReach(options, diagonal * scale, scale), {}, result.actions,
+                                               context)
                                 .status());
   if (scale != 1) multiply(1 / scale);
   return result;
@@ -333,14 +347,16 @@ absl::StatusOr<RepairResult> RepairInputOfRegion(TriangleMesh mesh, const Contex
 
 absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {
   MESHFRONT_RETURN_IF_ERROR(ValidateOptions(problem.options));
-  if (IsMeshedAsPoints(problem)) return PreparePoints(std::move(problem), context);
+  const bool needs_mesh =
+      !problem.region || problem.options.surface == SurfaceKind::kMls || problem.options.surface == SurfaceKind::kImls;
+  if (problem.prepared && needs_mesh) problem.mesh = std::exchange(problem.prepared, nullptr)->Input();
+  if (!problem.prepared && IsMeshedAsPoints(problem)) return PreparePoints(std::move(problem), context);
   const RemeshOptions options = problem.options;
   Preparation p;
   p.parameters.options = options;
   Stopwatch watch;
   if (!options.attributes) problem.mesh.attributes = {};
   MESHFRONT_RETURN_IF_ERROR(ValidateAttributes(problem.mesh.attributes, problem.mesh.triangles.size()));
-  if (problem.region) p.drops_attributes = !std::exchange(problem.mesh.attributes, {}).empty();
   context.Report({Stage::kRepair});
   std::optional<FaceAdjacency> adjacency;  // where the repair has it
   MESHFRONT_RETURN_IF_ERROR(MendAndChoose(problem, p, adjacency, context));

@@ -26,9 +26,8 @@ struct Preparation {
   std::unique_ptr<RegionParts> region;     // none: the surface is that of all
   std::optional<RegionReport> everything;  // where a region was asked for that is all of the mesh
   std::unique_ptr<MeshSurface> surface;    // of what is to be meshed; null for a point set
-  MeshAttributes attributes;               // of the surface's faces; none with a region
+  MeshAttributes attributes;               // of the surface's faces
   bool has_flat_normals = false;           // the attribute's are those of flat faces
-  bool drops_attributes = false;           // there were some, and a region
   std::unique_ptr<FieldBuilder> builder;
   std::unique_ptr<ImplicitMlsSurface> points;  // of a point set; null for a mesh
   std::unique_ptr<PointFieldBuilder> point_builder;

@@ -1,8 +1,7 @@
 #include "core/region_parts.h"
 
 #include <algorithm>
-#include <array>
-#include <cstring>
+#include <utility>
 
 #include "core/geometry/box.h"
 
@@ -12,81 +11,123 @@ namespace {
 constexpr int kRingsAround = 4;  // one more than the curvature fit looks at
 
 // The faces of the surroundings, one flag each.
-std::vector<bool> MarkSurroundings(const TriangleMesh& mesh, const std::vector<bool>& chosen, double reach) {
+std::vector<uint8_t> MarkSurroundings(const PreparedInput& input, const std::vector<uint32_t>& chosen, double reach) {
+  const TriangleMesh& mesh = input.mesh();
   Box3 box;
-  std::vector<bool> touched(mesh.positions.size(), false);
-  for (size_t f = 0; f < chosen.size(); ++f) {
-    if (!chosen[f]) continue;
-    for (const VertexId v : mesh.triangles[f]) box.Extend(mesh.PositionAt(v)), touched[v.index()] = true;
+  std::vector<uint8_t> touched(mesh.positions.size(), 0), marked(mesh.triangles.size(), 0);
+  std::vector<uint32_t> ring, next;  // vertices
+  const auto touch = [&](VertexId v, std::vector<uint32_t>& list) {
+    if (!touched[v.index()]) touched[v.index()] = 1, list.push_back(v.index());
+  };
+  for (const uint32_t f : chosen) {
+    marked[f] = 1;
+    for (const VertexId v : mesh.triangles[f]) box.Extend(mesh.PositionAt(v)), touch(v, ring);
   }
-  std::vector<bool> marked = chosen;
-  for (int ring = 0; ring < kRingsAround; ++ring) {
-    std::vector<bool> next = touched;
-    for (size_t f = 0; f < marked.size(); ++f) {
-      const Triangle& t = mesh.triangles[f];
-      if (!touched[t[0].index()] && !touched[t[1].index()] && !touched[t[2].index()]) continue;
-      marked[f] = true;
-      for (const VertexId v : t) next[v.index()] = true;
+  for (int i = 0; i < kRingsAround; ++i) {
+    next.clear();
+    for (const uint32_t v : ring) {
+      VisitOutgoing(input.adjacency(), v, [&](uint32_t h) {
+        marked[h / 3] = 1;
+        for (const VertexId u : mesh.triangles[h / 3]) touch(u, next);
+      });
     }
-    touched = std::move(next);
+    std::swap(ring, next);
   }
   const double reach2 = reach * reach;
   for (size_t v = 0; v < touched.size(); ++v) touched[v] = box.SquaredDistanceTo(mesh.positions[v]) <= reach2;
   for (size_t f = 0; f < marked.size(); ++f) {
     const Triangle& t = mesh.triangles[f];
-    if (touched[t[0].index()] || touched[t[1].index()] || touched[t[2].index()]) marked[f] = true;
+    marked[f] |= touched[t[0].index()] | touched[t[1].index()] | touched[t[2].index()];
   }
   return marked;
 }
 
-std::vector<double> ComponentDiagonals(const TriangleMesh& mesh, const FaceComponents& components) {
-  std::vector<Box3> boxes(components.count);
-  for (size_t f = 0; f < mesh.triangles.size(); ++f) {
-    for (const VertexId v : mesh.triangles[f]) boxes[components.label[f]].Extend(mesh.PositionAt(v));
-  }
-  std::vector<double> diagonals;
-  for (const Box3& box : boxes) diagonals.push_back(box.Diagonal());
-  return diagonals;
-}
+}  // namespace
 
-bool IsSameFace(const TriangleMesh& a, const Triangle& s, const TriangleMesh& b, const Triangle& t) {
-  for (int turn = 0; turn < 3; ++turn) {
-    bool same = true;
-    for (int i = 0; i < 3; ++i)
-      same = same && std::memcmp(&a.PositionAt(s[i]), &b.PositionAt(t[(i + turn) % 3]), sizeof(Vec3)) == 0;
-    if (same) return true;
+namespace {
+
+// Those of some faces, with the wedges that they use.
+MeshAttributes CutOutAttributes(const MeshAttributes& whole, const std::vector<uint32_t>& faces) {
+  constexpr uint32_t unnamed = 0xffffffffu;
+  MeshAttributes part;
+  part.channels = whole.channels;
+  std::vector<uint32_t> names(whole.wedge_count(), unnamed);
+  uint32_t count = 0;
+  for (const uint32_t f : faces) {
+    if (!whole.groups.empty()) part.groups.push_back(whole.groups[f]);
+    if (whole.corners.empty()) continue;
+    CornerWedges corners = whole.corners[f];
+    for (uint32_t& w : corners) {
+      if (names[w] == unnamed) {
+        names[w] = count++;
+        const absl::Span<const float> values = whole.WedgeAt(w);
+        part.values.insert(part.values.end(), values.begin(), values.end());
+      }
+      w = names[w];
+    }
+    part.corners.push_back(corners);
   }
-  return false;
+  return part;
 }
 
 }  // namespace
 
-TriangleMesh CutOutSurroundings(const FaceAdjacency& adjacency, double reach, RegionParts& parts) {
-  const TriangleMesh& whole = parts.whole;
-  const std::vector<bool> marked = MarkSurroundings(whole, parts.chosen, reach);
-  const FaceComponents components = LabelComponents(adjacency);
-  const std::vector<double> diagonals = ComponentDiagonals(whole, components);
+TriangleMesh CutOutSurroundings(double reach, const RegionParts& parts) {
+  const TriangleMesh& whole = parts.whole();
+  const std::vector<uint8_t> marked = MarkSurroundings(*parts.input, parts.chosen_faces, reach);
   TriangleMesh around;
-  std::vector<uint32_t> names(whole.positions.size(), kNoHalfEdge);
+  std::vector<uint32_t>& faces = around.face_origins;
+  constexpr uint32_t unused = 0xffffffffu;
+  std::vector<uint32_t> names(whole.positions.size(), unused);
   for (uint32_t f = 0; f < marked.size(); ++f) {
     if (!marked[f]) continue;
-    parts.around_faces.push_back(f);
-    parts.around_chosen.push_back(parts.chosen[f]);
-    parts.diagonals.push_back(diagonals[components.label[f]]);
+    faces.push_back(f);
     for (const VertexId v : whole.triangles[f]) names[v.index()] = 0;
   }
   for (uint32_t v = 0; v < names.size(); ++v) {
-    if (names[v] != 0) continue;
+    if (names[v] == unused) continue;
     names[v] = static_cast<uint32_t>(around.positions.size());
     around.positions.push_back(whole.positions[v]);
-    parts.around_vertices.push_back(v);
   }
-  for (const uint32_t f : parts.around_faces) {
+  for (const uint32_t f : faces) {
     Triangle t;
     for (int i = 0; i < 3; ++i) t[i] = VertexId(names[whole.triangles[f][i].index()]);
     around.triangles.push_back(t);
   }
+  if (parts.keeps_attributes) around.attributes = CutOutAttributes(whole.attributes, faces);
   return around;
+}
+
+std::vector<bool> FacesBesideRegion(const TriangleMesh& around, const RegionParts& parts) {
+  std::vector<bool> beside;
+  beside.reserve(around.face_origins.size());
+  for (const uint32_t f : around.face_origins) beside.push_back(!parts.chosen[f]);
+  return beside;
+}
+
+void NameSurroundings(TriangleMesh& around, double scale, RegionParts& parts) {
+  const TriangleMesh& whole = parts.whole();
+  parts.around_vertices.assign(around.positions.size(), 0);
+  for (size_t i = 0; i < around.triangles.size(); ++i) {
+    const uint32_t f = around.face_origins[i];
+    const Triangle &t = around.triangles[i], &original = whole.triangles[f];
+    bool is_same = true;
+    for (int k = 0; k < 3; ++k) is_same = is_same && around.PositionAt(t[k]) == whole.PositionAt(original[k]) * scale;
+    for (int k = 0; k < 3 && is_same; ++k) parts.around_vertices[t[k].index()] = original[k].index();
+    parts.around_chosen.push_back(parts.chosen[f]);
+    parts.diagonals.push_back(parts.input->ComponentDiagonalAt(f));
+    if (parts.chosen[f]) parts.region_faces.push_back(is_same ? f : kNoFace);
+  }
+  around.face_origins = {};
+}
+
+MeshAttributes AttributesOfRegion(const RegionParts& parts, MeshAttributes around) {
+  if (around.empty()) return around;
+  std::vector<uint32_t> faces;
+  for (uint32_t f = 0; f < parts.around_chosen.size(); ++f) {
+    if (parts.around_chosen[f]) faces.push_back(f);
+  }
+  return CutOutAttributes(around, faces);
 }
 
 std::unique_ptr<MeshSurface> CutOutRegion(const RegionParts& parts) {
@@ -102,27 +143,19 @@ std::vector<uint32_t> BorderOf(const RegionParts& parts, const MeshSurface& regi
   return border;
 }
 
-void CompareWithInput(const TriangleMesh& input, bool is_repaired, RegionParts& parts) {
-  if (!is_repaired) {
-    for (uint32_t f = 0; f < parts.chosen.size() && parts.patch_only; ++f) {
-      if (parts.chosen[f]) parts.report.removed_faces.push_back(f);
-    }
-    return;
+void CompareWithInput(RegionParts& parts) {
+  const PreparedInput& input = *parts.input;
+  const std::vector<uint32_t>& origins = parts.whole().face_origins;
+  std::vector<uint32_t>& removed = parts.report.removed_faces;
+  parts.dropped_outside = input.dropped_faces().size();
+  parts.changed_outside = input.changed_faces();
+  for (const uint32_t f : parts.chosen_faces) {
+    parts.changed_outside -= input.IsChanged(f);
+    if (parts.patch_only) removed.push_back(origins[f]);
   }
-  std::vector<bool> is_kept(input.triangles.size(), false);
-  std::vector<bool> is_left(input.triangles.size(), false);
-  for (size_t f = 0; f < parts.whole.triangles.size(); ++f) {
-    const uint32_t origin = parts.whole.face_origins[f];
-    is_left[origin] = true;
-    if (parts.chosen[f]) continue;
-    is_kept[origin] = true;
-    parts.changed_outside += !IsSameFace(input, input.triangles[origin], parts.whole, parts.whole.triangles[f]);
-  }
-  parts.dropped_outside = std::count(is_left.begin(), is_left.end(), false);
   if (!parts.patch_only) return;
-  for (uint32_t f = 0; f < is_kept.size(); ++f) {
-    if (!is_kept[f]) parts.report.removed_faces.push_back(f);
-  }
+  removed.insert(removed.end(), input.dropped_faces().begin(), input.dropped_faces().end());
+  std::sort(removed.begin(), removed.end());
 }
 
 void AddFacesAround(const RegionParts& parts, TriangleMesh& mesh) {

@@ -33,23 +33,20 @@ absl::Status Empty(const std::string& where, uint64_t vertices, const TriangleMe
 }
 
 template <class Shape>
-absl::StatusOr<std::vector<bool>> SelectInside(const TriangleMesh& mesh, const Shape& shape) {
-  std::vector<bool> inside;
-  inside.reserve(mesh.positions.size());
-  for (const Vec3& p : mesh.positions) inside.push_back(Holds(shape, p));
-  std::vector<bool> chosen;
-  chosen.reserve(mesh.triangles.size());
-  bool any = false;
-  for (const Triangle& t : mesh.triangles) {
-    chosen.push_back(inside[t[0].index()] && inside[t[1].index()] && inside[t[2].index()]);
-    any = any || chosen.back();
+absl::StatusOr<std::vector<uint32_t>> SelectInside(const TriangleMesh& mesh, const Shape& shape) {
+  std::vector<uint8_t> inside(mesh.positions.size());
+  for (size_t v = 0; v < inside.size(); ++v) inside[v] = Holds(shape, mesh.positions[v]);
+  std::vector<uint32_t> chosen;
+  for (uint32_t f = 0; f < mesh.triangles.size(); ++f) {
+    const Triangle& t = mesh.triangles[f];
+    if (inside[t[0].index()] & inside[t[1].index()] & inside[t[2].index()]) chosen.push_back(f);
   }
-  if (!any) return Empty(Describe(shape), std::count(inside.begin(), inside.end(), true), mesh);
+  if (chosen.empty()) return Empty(Describe(shape), std::count(inside.begin(), inside.end(), 1), mesh);
   return chosen;
 }
 
-absl::StatusOr<std::vector<bool>> SelectNumbered(const TriangleMesh& mesh, const RegionFaces& faces,
-                                                 uint64_t input_faces) {
+absl::StatusOr<std::vector<uint32_t>> SelectNumbered(const TriangleMesh& mesh, const RegionFaces& faces,
+                                                     uint64_t input_faces) {
   std::vector<bool> named(input_faces, false);
   for (size_t i = 0; i < faces.size(); ++i) {
     if (faces[i] >= input_faces) {
@@ -58,10 +55,11 @@ absl::StatusOr<std::vector<bool>> SelectNumbered(const TriangleMesh& mesh, const
     }
     named[faces[i]] = true;
   }
-  std::vector<bool> chosen;
-  chosen.reserve(mesh.triangles.size());
-  for (const uint32_t origin : mesh.face_origins) chosen.push_back(named[origin]);
-  if (std::find(chosen.begin(), chosen.end(), true) != chosen.end()) return chosen;
+  std::vector<uint32_t> chosen;
+  for (uint32_t f = 0; f < mesh.face_origins.size(); ++f) {
+    if (named[mesh.face_origins[f]]) chosen.push_back(f);
+  }
+  if (!chosen.empty()) return chosen;
   return absl::InvalidArgumentError(absl::StrCat("options.region is empty: of the ", faces.size(),
                                                  " faces that it names none is left after repair; name others"));
 }
@@ -88,7 +86,8 @@ absl::Status ValidateRegion(const Region& region) {
   return absl::InvalidArgumentError("options.region.faces is empty; it must name at least one face");
 }
 
-absl::StatusOr<std::vector<bool>> SelectFaces(const TriangleMesh& mesh, const Region& region, uint64_t input_faces) {
+absl::StatusOr<std::vector<uint32_t>> SelectFaces(const TriangleMesh& mesh, const Region& region,
+                                                  uint64_t input_faces) {
   if (const auto* sphere = std::get_if<RegionSphere>(&region.shape)) return SelectInside(mesh, *sphere);
   if (const auto* box = std::get_if<Box3>(&region.shape)) return SelectInside(mesh, *box);
   return SelectNumbered(mesh, std::get<RegionFaces>(region.shape), input_faces);

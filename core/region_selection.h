@@ -1,6 +1,7 @@
 // Which faces of a mesh a region is.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -9,8 +10,8 @@
 
 namespace meshfront {
 
-// One flag a face of `mesh`, at least one of which is set. Faces given by number are those with these origins (all of them must be below
+// The faces of `mesh` in the region, in increasing order, at least one. Faces given by number are those with these origins (all of them must be below
 // `input_faces`; those that a repair dropped are not looked for). InvalidArgument: a number out of range, or no face is in the region.
-absl::StatusOr<std::vector<bool>> SelectFaces(const TriangleMesh& mesh, const Region& region, uint64_t input_faces);
+absl::StatusOr<std::vector<uint32_t>> SelectFaces(const TriangleMesh& mesh, const Region& region, uint64_t input_faces);
 
 }  // namespace meshfront

@@ -12,7 +12,7 @@
 namespace meshfront {
 
 // Where the rest is wanted: sends it first, with the bits of its positions, then what the front makes; the vertices on the border are the
-// input's. Vertex ids count on. Memory: the rest, which it takes out of `parts`, and the new triangles.
+// input's, and so are wedges there that both use. Vertices and wedges count on. Memory: the rest and the new triangles.
 class RegionSink : public MeshSink {
  public:
   // `border`: the vertices of the whole that the front's first joints are. Both outlive the sink.
@@ -25,7 +25,23 @@ class RegionSink : public MeshSink {
   const TriangleMesh& sent() const { return sent_; }
 
  private:
+  // A piece at hand, with what is new to the output of vertices and wedges.
+  struct Outgoing {
+    std::vector<OutputVertex> vertices;
+    std::vector<OutputWedge> wedges;
+    std::vector<float> values;  // of these wedges
+    std::vector<Triangle> triangles;
+    std::vector<CornerWedges> corners;
+    std::vector<uint32_t> groups;
+    std::vector<VertexId> finalised;
+  };
+  absl::Status Send(Outgoing& piece);
+  void FindLastUses();
+  void AddRestOf(uint32_t face, const std::vector<Vec3>& normals, Outgoing& piece);
+  void AddRestWedgesOf(uint32_t face, Outgoing& piece);
   VertexId NameOf(const OutputVertex& v, std::vector<OutputVertex>& vertices);
+  void NameWedges(const MeshPiece& piece, Outgoing& out);
+  uint32_t SharedWedge(const OutputWedge& w) const;
 
   MeshSink& next_;
   const std::vector<uint32_t>& border_;
@@ -33,6 +49,12 @@ class RegionSink : public MeshSink {
   TriangleMesh sent_;
   std::vector<VertexId> border_names_;  // of the border's vertices, once they were sent
   std::vector<VertexId> names_;         // of the front's vertices
+  std::vector<bool> on_border_;         // of the whole's vertices
+  std::vector<VertexId> rest_names_;    // likewise, once they were sent
+  std::vector<uint32_t> last_use_;      // likewise, by a face of the rest
+  std::vector<uint32_t> rest_wedges_;   // of the whole's wedges, once they were sent
+  std::vector<uint32_t> wedge_names_;   // of the front's wedges
+  uint32_t wedge_count_ = 0;            // sent
 };
 
 }  // namespace meshfront

@@ -183,8 +183,6 @@ void WarnOfDeviations(const FrontReport& front, double scale, Report& report) {
 }
 
 void ReportRegion(Preparation& p, const FrontReport& front, Report& report) {
-  if (p.drops_attributes)
-    report.warnings.push_back("attributes are dropped where a region is remeshed, also outside of it");
   if (!p.region) {
     report.region = std::move(p.everything);
     if (report.region) report.region->new_triangles = front.triangles;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -68,16 +69,21 @@ absl::Status ValidateOptions(const RemeshOptions& options);
 // false, but leaves slivers alone then, and always without crease_angle, as there are no creases. `options` must be valid. Errors of
 // RepairMesh; ResourceExhausted: no memory. Stops with the context; deterministic.
 absl::StatusOr<RepairResult> RepairInput(TriangleMesh mesh, const RemeshOptions& options, const Context& context);
-// The same where a region of it is to be remeshed: slivers and the direction of components stay.
+// The same where a region of it is to be remeshed: the direction of components stays, and so do slivers, which are mended later, where all
+// faces that change lie in the region.
 absl::StatusOr<RepairResult> RepairInputOfRegion(TriangleMesh mesh, const Context& context);
+
+class PreparedInput;
 
 struct Problem {
   TriangleMesh mesh;  // as read, or without triangles a point set; consumed
   RemeshOptions options;
   // The part to remesh; none: all of it. The faces beside it come back with the bits of their coordinates and their cyclic order, before
-  // the new ones; the vertices on its border stay, and are joined to both. Repairs, of the whole, leave slivers and the direction of
-  // components alone then. target_triangles counts the new triangles.
+  // the new ones; the vertices on its border stay, and are joined to both. Repairs, of the whole, leave the direction of components alone
+  // then, and slivers are mended where all faces that change lie in the region. target_triangles counts the new triangles.
   std::optional<Region> region;
+  // In place of the mesh: what regions of it begin with (prepared_input.h). Without a region, the whole of it.
+  std::shared_ptr<const PreparedInput> prepared = nullptr;
 };
 
 struct InputReport {

@@ -42,6 +42,7 @@ void Call::NoteForLog() {
   std::lock_guard lock(noted_mutex_);
   if (noted_request_id_.empty()) noted_request_id_ = assembler_.request_id();
   noted_bytes_ = assembler_.bytes();
+  noted_session_ = assembler_.names_session();
 }
 
 bool Call::AfterMessage(const absl::Status& status) {
@@ -91,6 +92,7 @@ void Call::Submit() {
   job_->threads = asked == 0 ? most : static_cast<int>(std::min<uint32_t>(asked, most));
   job_->options = assembler_.options();
   job_->output = assembler_.output();
+  job_->keeps_session = assembler_.keeps_session();
   job_->input = assembler_.Take();
   Box3 bounds;
   for (const Vec3& p : job_->input.mesh.positions) {
@@ -147,6 +149,7 @@ void Call::OnEnded(const absl::Status& status) noexcept {
 void Call::WriteLogLine(const absl::Status& status) {
   const v1::Summary& summary = job_->summary;
   const bool done = status.ok();
+  const SessionStore::Usage sessions = state_.sessions.usage();
   std::lock_guard lock(noted_mutex_);
   state_.log->Write({{"time", absl::FormatTime(absl::RFC3339_full, absl::Now(), absl::UTCTimeZone())},
                      {"rpc", peer_.rpc},
@@ -159,6 +162,11 @@ void Call::WriteLogLine(const absl::Status& status) {
                      {"triangles", done ? summary.output().triangles() : 0},
                      {"chunks", done ? summary.chunks() : 0},
                      {"engine_seconds", done ? summary.seconds().engine() : 0},
+                     {"session", noted_session_                  ? "used"
+                                 : done && summary.has_session() ? "kept"
+                                                                 : ""},
+                     {"sessions", sessions.sessions},
+                     {"session_bytes", sessions.bytes},
                      {"seconds", absl::ToDoubleSeconds(absl::Now() - job_->upload_begin)}});
 }
 

@@ -87,6 +87,7 @@ class Call {
   std::mutex noted_mutex_;
   std::string noted_request_id_;
   uint64_t noted_bytes_ = 0;
+  bool noted_session_ = false;  // the input is a session's
   std::atomic<bool> entered_{false};
   std::atomic<uint64_t> watch_id_{0};
   std::atomic<uint64_t> ticket_{0};

@@ -19,6 +19,13 @@ struct ServerLimits {
   uint64_t max_pending_bytes = 2 * max_input_bytes;
 };
 
+// What is kept of calls for further ones.
+struct SessionLimits {
+  int max_count = 16;               // 0: none is kept
+  uint64_t max_bytes = 1ull << 30;  // of all together, about
+  absl::Duration ttl = absl::Minutes(10);
+};
+
 struct ServerConfig {
   std::string listen = "127.0.0.1:50051";             // port 0: any free one
   bool insecure = false;                              // allows an address off loopback without TLS
@@ -32,6 +39,7 @@ struct ServerConfig {
   absl::Duration max_job = absl::InfiniteDuration();  // the longest that a worker runs a job
   std::string log;                                    // file of the job log; empty: stderr; "off": none
   ServerLimits limits;
+  SessionLimits sessions;
 
   int MaxThreads() const;  // `threads` with 0 resolved
   int Workers() const;     // `workers` with 0 resolved

@@ -15,6 +15,7 @@ namespace {
 
 constexpr size_t kMaxRequestIdBytes = 128;
 constexpr size_t kMaxFileNameBytes = 1024;
+constexpr size_t kMaxSessionIdBytes = 64;
 
 absl::Status CheckRequestId(const std::string& id) {
   if (id.size() > kMaxRequestIdBytes) {
@@ -72,6 +73,9 @@ absl::Status InputAssembler::Accept(const v1::Header& header) {
   MESHFRONT_ASSIGN_OR_RETURN(output_, NormalizeOutput(header.output()));
   request_id_ = header.request_id();
   requested_threads_ = header.options().threads();
+  keeps_session_ = header.keep_session();
+  if (keeps_session_ && header.has_points())
+    return absl::InvalidArgumentError("keep_session is set beside points; only a mesh can be kept");
   switch (header.input_case()) {
     case v1::Header::kMesh:
       MESHFRONT_RETURN_IF_ERROR(AnnounceMesh(header.mesh()));
@@ -82,14 +86,32 @@ absl::Status InputAssembler::Accept(const v1::Header& header) {
     case v1::Header::kFile:
       MESHFRONT_RETURN_IF_ERROR(AnnounceFile(header.file()));
       break;
+    case v1::Header::kSessionId:
+      MESHFRONT_RETURN_IF_ERROR(AnnounceSession(header.session_id()));
+      break;
     case v1::Header::INPUT_NOT_SET:
-      return absl::InvalidArgumentError("header.input is not set; it must be mesh, points or file");
+      return absl::InvalidArgumentError("header.input is not set; it must be mesh, points, file or session_id");
   }
   MESHFRONT_RETURN_IF_ERROR(AnnounceRegion(header.options()));
+  MESHFRONT_RETURN_IF_ERROR(CheckAnnouncedBytes());
+  state_ = State::kBlocks;
+  return absl::OkStatus();
+}
+
+absl::Status InputAssembler::CheckAnnouncedBytes() const {
   uint64_t announced = 0;
   for (const ArrayWriter& array : arrays_) announced += array.announced_memory();
-  MESHFRONT_RETURN_IF_ERROR(CheckCount("header.input in bytes", announced, limits_.max_input_bytes));
-  state_ = State::kBlocks;
+  if (announced == 0 && !input_.session_id.empty()) return absl::OkStatus();
+  return CheckCount("header.input in bytes", announced, limits_.max_input_bytes);
+}
+
+absl::Status InputAssembler::AnnounceSession(const std::string& id) {
+  if (id.empty() || id.size() > kMaxSessionIdBytes) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("session_id has ", id.size(), " bytes; it must have 1 to ", kMaxSessionIdBytes));
+  }
+  input_.session_id = id;
+  names_session_ = true;
   return absl::OkStatus();
 }
 

@@ -16,13 +16,14 @@
 
 namespace meshfront {
 
-// An upload that is whole: a mesh, or a file that is still to be parsed (`file` not empty).
+// An upload that is whole: a mesh, a file that is still to be parsed (`file` not empty), or the name of a session.
 struct AssembledInput {
   TriangleMesh mesh;
   std::optional<Region> region;  // the part of it to remesh
   std::vector<uint8_t> file;
   Format format = Format::kUnknown;
   std::string file_name;
+  std::string session_id;
 };
 
 // Header, blocks, end: one message after the other. InvalidArgument: order, options, arrays; ResourceExhausted: limits;
@@ -59,6 +60,8 @@ class InputAssembler {
   const RemeshOptions& options() const { return options_; }
   const v1::OutputFormat& output() const { return output_; }
   uint32_t requested_threads() const { return requested_threads_; }
+  bool keeps_session() const { return keeps_session_; }
+  bool names_session() const { return names_session_; }
   // Once, when whole.
   AssembledInput Take() { return std::move(input_); }
 
@@ -70,6 +73,8 @@ class InputAssembler {
   absl::Status AnnounceAttributes(const v1::MeshArrays& mesh);
   absl::Status AnnouncePoints(const v1::PointSet& points);
   absl::Status AnnounceFile(const v1::WholeFile& file);
+  absl::Status AnnounceSession(const std::string& id);
+  absl::Status CheckAnnouncedBytes() const;
   absl::Status AnnounceRegion(const v1::RemeshOptions& options);
   absl::Status CheckNewIndices();
   uint64_t GrowthFor(const v1::DataBlock& block);
@@ -81,6 +86,7 @@ class InputAssembler {
   RemeshOptions options_;
   v1::OutputFormat output_;
   uint32_t requested_threads_ = 0;
+  bool keeps_session_ = false, names_session_ = false;
   uint64_t vertex_count_ = 0;
   size_t checked_triangles_ = 0;
   uint64_t bytes_ = 0;

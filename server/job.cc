@@ -10,6 +10,7 @@
 #include "absl/time/clock.h"
 #include "core/base/exceptions.h"
 #include "core/base/status_macros.h"
+#include "core/prepared_input.h"
 #include "proto/wire/convert.h"
 #include "proto/wire/crc32c.h"
 #include "proto/wire/errors.h"
@@ -32,6 +33,7 @@ uint64_t PeakRssBytes() {
 
 struct ParsedInput {
   TriangleMesh mesh;
+  std::shared_ptr<const PreparedInput> prepared;  // in its place
   std::optional<Region> region;
   std::vector<std::string> warnings;
   std::vector<std::string> dropped_attributes;
@@ -56,13 +58,15 @@ absl::StatusOr<ParsedInput> ParseFile(const ServiceState& state, PendingBytes::L
     read.mesh.dropped_attributes.push_back(channel.name);
   read.mesh.attributes = {};
   MESHFRONT_RETURN_IF_ERROR(lease.Hold(AllocatedBytes(read.mesh)));  // the bytes of the file go with this call's end
-  return ParsedInput{std::move(read.mesh), std::nullopt, std::move(read.warnings), {}};
+  return ParsedInput{std::move(read.mesh), nullptr, std::nullopt, std::move(read.warnings), {}};
 }
 
-absl::StatusOr<ParsedInput> ParseInput(const ServiceState& state, Job& job) {
+absl::StatusOr<ParsedInput> ParseInput(ServiceState& state, Job& job) {
   AssembledInput input = std::move(job.input);
   ParsedInput parsed;
-  if (input.file.empty()) {
+  if (!input.session_id.empty()) {
+    MESHFRONT_ASSIGN_OR_RETURN(parsed.prepared, state.sessions.Find(input.session_id));
+  } else if (input.file.empty()) {
     parsed.mesh = std::move(input.mesh);
   } else {
     MESHFRONT_ASSIGN_OR_RETURN(parsed, ParseFile(state, job.lease, input));
@@ -157,24 +161,49 @@ absl::Status SendRemovedFaces(const Job& job, const std::vector<uint32_t>& faces
   return absl::OkStatus();
 }
 
+// Says in the summary what is kept of the input, or in a warning why nothing is.
+absl::Status KeepSession(ServiceState& state, Job& job, const std::string& id, const ParsedInput& input) {
+  std::string name = id;
+  if (name.empty() && !job.keeps_session) return absl::OkStatus();
+  if (name.empty()) {
+    const absl::StatusOr<std::string> kept = state.sessions.Keep(input.prepared);
+    if (absl::IsResourceExhausted(kept.status())) {
+      job.summary.add_warnings(absl::StrCat("no session is kept: ", kept.status().message()));
+      return absl::OkStatus();
+    }
+    if (!kept.ok()) return kept.status();
+    name = *kept;
+  }
+  v1::Session& session = *job.summary.mutable_session();
+  session.set_id(name);
+  session.set_ttl_seconds(absl::ToDoubleSeconds(state.sessions.ttl()));
+  session.set_bytes(input.prepared->bytes());
+  return absl::OkStatus();
+}
+
 absl::Status RemeshBody(ServiceState& state, Job& job) {
   JobTimes times;
   times.started = absl::Now();
+  const std::string session_id = job.input.session_id;
   MESHFRONT_ASSIGN_OR_RETURN(ParsedInput input, ParseInput(state, job));
   times.parsed = absl::Now();
   const Context context = ContextOf(state, job, times.started);
   MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
   MESHFRONT_RETURN_IF_ERROR(AnnounceDefects(job, input.mesh));
+  if (job.keeps_session && !input.prepared) {
+    MESHFRONT_ASSIGN_OR_RETURN(input.prepared,
+                               PreparedInput::Create(std::move(input.mesh), job.options.repair, context));
+  }
   StreamSink sink(*job.events, job.output);
-  MESHFRONT_ASSIGN_OR_RETURN(
-      const Report report,
-      state.engine.remesh({std::move(input.mesh), job.options, std::move(input.region)}, sink, context));
+  Problem problem{std::move(input.mesh), job.options, std::move(input.region), input.prepared};
+  MESHFRONT_ASSIGN_OR_RETURN(const Report report, state.engine.remesh(std::move(problem), sink, context));
   times.done = absl::Now();
   MESHFRONT_RETURN_IF_ERROR(sink.Flush());
   if (report.region) MESHFRONT_RETURN_IF_ERROR(SendRemovedFaces(job, report.region->removed_faces));
   job.summary = SummaryFromReport(report);
   FillCommon(input, job.summary);
   FillSummary(job, times, sink, job.summary);
+  MESHFRONT_RETURN_IF_ERROR(KeepSession(state, job, session_id, input));
   v1::MeshEvent event;
   *event.mutable_summary() = job.summary;
   MESHFRONT_RETURN_IF_ERROR(job.events->Push(std::move(event)));
@@ -191,7 +220,7 @@ absl::Status EstimateBody(ServiceState& state, Job& job) {
   MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
   MESHFRONT_ASSIGN_OR_RETURN(
       const Estimate estimate,
-      state.engine.estimate({std::move(input.mesh), job.options, std::move(input.region)}, context));
+      state.engine.estimate({std::move(input.mesh), job.options, std::move(input.region), input.prepared}, context));
   times.done = absl::Now();
   job.estimate = EstimateToProto(estimate);
   FillCommon(input, job.estimate);
@@ -246,6 +275,7 @@ absl::Status Presentable(ServiceState& state, const std::string& job_id, const a
     case absl::StatusCode::kOk:
     case absl::StatusCode::kInvalidArgument:
     case absl::StatusCode::kFailedPrecondition:
+    case absl::StatusCode::kNotFound:
     case absl::StatusCode::kResourceExhausted:
     case absl::StatusCode::kUnavailable:
     case absl::StatusCode::kUnimplemented:

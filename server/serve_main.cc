@@ -32,7 +32,8 @@ struct Flags {
   double lame_duck = 0;
   double drain_timeout = 600;
   double max_job_seconds = 0;
-  uint64_t max_input_mb = 2048;
+  uint64_t max_input_mb = 2048, max_session_mb = 1024;
+  double session_ttl = 600;
   bool print_config = false;
 
   void Resolve() {
@@ -41,6 +42,8 @@ struct Flags {
     config.lame_duck = absl::Seconds(lame_duck);
     config.drain_timeout = absl::Seconds(drain_timeout);
     if (max_job_seconds > 0) config.max_job = absl::Seconds(max_job_seconds);
+    config.sessions.max_bytes = max_session_mb << 20;
+    config.sessions.ttl = absl::Seconds(session_ttl);
     config.limits.max_input_bytes = max_input_mb << 20;
     config.limits.max_pending_bytes = 2 * config.limits.max_input_bytes;
   }
@@ -91,6 +94,18 @@ void AddFlags(CLI::App& app, Flags& flags) {
       ->envname("MESHFRONT_MAX_JOB_SECONDS")
       ->check(CLI::Range(0.0, 1e9))
       ->capture_default_str();
+  app.add_option("--max-sessions", config.sessions.max_count, "Meshes that are kept between calls; 0: none")
+      ->envname("MESHFRONT_MAX_SESSIONS")
+      ->check(CLI::Range(0, 1'000'000))
+      ->capture_default_str();
+  app.add_option("--max-session-mb", flags.max_session_mb, "Memory of all meshes that are kept, in MiB")
+      ->envname("MESHFRONT_MAX_SESSION_MB")
+      ->check(CLI::Range(1, 1 << 20))
+      ->capture_default_str();
+  app.add_option("--session-ttl", flags.session_ttl, "Seconds that a mesh is kept after it was used last")
+      ->envname("MESHFRONT_SESSION_TTL")
+      ->check(CLI::Range(0.001, 1e9))
+      ->capture_default_str();
   app.add_option("--log", config.log, "File of the job log; empty: stderr; off: none")->envname("MESHFRONT_LOG");
   app.add_flag("--insecure", config.insecure, "Allow an address off loopback without TLS")
       ->envname("MESHFRONT_INSECURE");
@@ -113,6 +128,9 @@ void PrintConfig(const Flags& flags) {
                                        {"lame_duck", flags.lame_duck},
                                        {"drain_timeout", flags.drain_timeout},
                                        {"max_job_seconds", flags.max_job_seconds},
+                                       {"max_sessions", c.sessions.max_count},
+                                       {"max_session_mb", flags.max_session_mb},
+                                       {"session_ttl", flags.session_ttl},
                                        {"log", c.log}};
   std::cout << json.dump(2) << "\n";
 }

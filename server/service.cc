@@ -58,10 +58,14 @@ v1::GetCapabilitiesResponse CapabilitiesOf(const ServerConfig& config) {
   limits.set_max_queue(config.max_queue);
   limits.set_stall_timeout_seconds(absl::ToDoubleSeconds(config.stall_timeout));
   if (config.max_job < absl::InfiniteDuration()) limits.set_max_job_seconds(absl::ToDoubleSeconds(config.max_job));
+  limits.set_max_sessions(config.sessions.max_count);
+  limits.set_max_session_bytes(config.sessions.max_bytes);
+  limits.set_session_ttl_seconds(absl::ToDoubleSeconds(config.sessions.ttl));
   *response.mutable_default_options() = OptionsToProto(RemeshOptions());
   for (std::string& path : SupportedOptions()) response.add_supported_options(std::move(path));
   response.add_supported_inputs("mesh");
   response.add_supported_inputs("file");
+  response.add_supported_inputs("session_id");
   return response;
 }
 

@@ -10,6 +10,7 @@
 #include "server/engine.h"
 #include "server/job_log.h"
 #include "server/pending_bytes.h"
+#include "server/session_store.h"
 #include "server/upload_watch.h"
 #include "server/worker_pool.h"
 
@@ -22,6 +23,7 @@ struct ServiceState {
         log(std::move(log)),
         pending(config.limits.max_pending_bytes),
         watch(config.stall_timeout),
+        sessions(config.sessions),
         pool(config.Workers(), config.max_queue) {}
 
   // "j-" and a number that begins anew with each server, after what tells servers apart.
@@ -33,6 +35,7 @@ struct ServiceState {
   CallGate gate;
   PendingBytes pending;
   UploadWatch watch;
+  SessionStore sessions;
   WorkerPool pool;  // last: its jobs use what is above
 
  private:

@@ -322,6 +322,14 @@ absl::StatusOr<std::vector<uint32_t>> ReadRegionFaces(const Text& region) {
   return absl::InvalidArgumentError(absl::StrCat(path, " names no face; --region needs at least one"));
 }
 
+absl::StatusOr<std::string> ReadSessionName(const std::string& path) {
+  std::ifstream file(path);
+  std::string name;
+  if (file >> name) return name;
+  return absl::InvalidArgumentError(
+      absl::StrCat("--session is ", path, "; it must be a file that --keep-session wrote"));
+}
+
 absl::StatusOr<double> ParseTimeout(const Text& timeout) {
   if (!timeout) return kInfinity;
   return ParseNumber("--timeout", *timeout, {0, kInfinity, false, false, "a positive number of seconds"});

@@ -34,6 +34,7 @@ struct RemeshArguments {
   MeshingFlags meshing;
   CallFlags call;
   std::string stats, trace, picture, write_repaired, removed;  // paths, empty: not wanted
+  std::string keep_session, session;                           // likewise
   bool patch_only = false;
   bool quiet = false;
 };
@@ -63,6 +64,8 @@ absl::StatusOr<v1::RemeshOptions> ParseMeshingFlags(const MeshingFlags& flags);
 // The faces that --region faces:FILE names, one number a line; empty for another region or none. InvalidArgument with the file and the
 // line: it can't be read, or a line is no number.
 absl::StatusOr<std::vector<uint32_t>> ReadRegionFaces(const MeshingFlags::Text& region);
+// The name of a session that --keep-session wrote to a file. InvalidArgument: it can't be read, or holds none.
+absl::StatusOr<std::string> ReadSessionName(const std::string& path);
 // Seconds, > 0; infinity when not given.
 absl::StatusOr<double> ParseTimeout(const MeshingFlags::Text& timeout);
 // HOST:PORT with a port in 1..65535.

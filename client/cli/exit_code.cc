@@ -26,6 +26,7 @@ ExitCode ExitCodeOfCall(const absl::Status& status) {
     case absl::StatusCode::kInvalidArgument:
       return IsAboutOptions(status) ? ExitCode::kUsage : ExitCode::kInput;
     case absl::StatusCode::kFailedPrecondition:
+    case absl::StatusCode::kNotFound:  // a session that is gone: the input is missing
       return ExitCode::kInput;
     case absl::StatusCode::kUnavailable:
     case absl::StatusCode::kResourceExhausted:

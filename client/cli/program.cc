@@ -34,7 +34,7 @@ void AddMeshingFlags(CLI::App* command, MeshingFlags* flags) {
   command->add_option("--edge-length", flags->edge_length,
                       "the median edge, the same everywhere, absolute or % of the diagonal; --sizing uniform");
   command->add_option("--target-triangles", flags->target_triangles,
-                      "how many triangles, within 3%: solves for the parameter of --sizing");
+                      "how many triangles, within 3%: solves for the parameter of --sizing; with --region, new ones");
   command->add_option("--min-edge", flags->min_edge,
                       "lower clamp of the edge length, absolute or % of the diagonal [derived]");
   command->add_option("--max-edge", flags->max_edge,
@@ -53,7 +53,7 @@ void AddMeshingFlags(CLI::App* command, MeshingFlags* flags) {
   command->add_option("--features", flags->features, "extra feature polylines (not yet)");
   command->add_option("--region", flags->region,
                       "remesh only the faces inside sphere:x,y,z,r or box:x0,y0,z0,x1,y1,z1, or faces:FILE (numbers "
-                      "from 0, one a line)");
+                      "from 0, one a line, of the triangles that polygons are cut into)");
   command->add_option("--blend", flags->blend,
                       "width of the size transition at the region's border, in edges of the border [8]");
   command->add_option("--mls-radius", flags->mls_radius, "radius of a point's weight in local spacings, 2 to 16 [4]");
@@ -80,6 +80,10 @@ void AddRemesh(CLI::App* program, RemeshArguments* arguments) {
   command->add_flag("--patch-only", arguments->patch_only, "write the new triangles of the region alone");
   command->add_option("--removed", arguments->removed,
                       "with --patch-only: write the numbers of the faces they replace");
+  command->add_option("--keep-session", arguments->keep_session,
+                      "with --server: it keeps IN for further calls; write the name of that session to a file");
+  command->add_option("--session", arguments->session,
+                      "with --server: the file that --keep-session wrote, in place of IN, which is - and not read");
   command->add_option("--write-repaired", arguments->write_repaired, "write the input as it was meshed, after repair");
   command->add_flag("--quiet", arguments->quiet, "no progress bar (also when standard error is no terminal)");
 }

@@ -37,9 +37,11 @@ class RemeshCommand {
 
   ExitCode Run() {
     using Step = ExitCode (RemeshCommand::*)();
-    constexpr Step steps[] = {&RemeshCommand::ParseArguments, &RemeshCommand::CheckOutputs, &RemeshCommand::ReadMesh,
-                              &RemeshCommand::UseInput,       &RemeshCommand::Call,         &RemeshCommand::WriteResult,
-                              &RemeshCommand::WriteRemoved,   &RemeshCommand::WritePicture, &RemeshCommand::WriteStats};
+    constexpr Step steps[] = {&RemeshCommand::ParseArguments, &RemeshCommand::CheckOutputs,
+                              &RemeshCommand::ReadMesh,       &RemeshCommand::UseInput,
+                              &RemeshCommand::Call,           &RemeshCommand::WriteResult,
+                              &RemeshCommand::WriteRemoved,   &RemeshCommand::WriteSession,
+                              &RemeshCommand::WritePicture,   &RemeshCommand::WriteStats};
     for (const Step step : steps) {
       const ExitCode code = (this->*step)();
       if (code != ExitCode::kDone) return code;
@@ -58,7 +60,10 @@ class RemeshCommand {
     MESHFRONT_RETURN_IF_ERROR(ParseRegion());
     MESHFRONT_ASSIGN_OR_RETURN(timeout_, ParseTimeout(arguments_.call.timeout));
     if (remote()) MESHFRONT_RETURN_IF_ERROR(CheckServerAddress(arguments_.call.server));
-    MESHFRONT_ASSIGN_OR_RETURN(in_format_, FormatFor(arguments_.in, arguments_.call.in_format, "--in-format"));
+    MESHFRONT_RETURN_IF_ERROR(ParseSession());
+    if (call_.session_id.empty()) {
+      MESHFRONT_ASSIGN_OR_RETURN(in_format_, FormatFor(arguments_.in, arguments_.call.in_format, "--in-format"));
+    }
     MESHFRONT_ASSIGN_OR_RETURN(out_format_, FormatFor(arguments_.out, arguments_.call.out_format, "--out-format"));
     if (out_format_ == Format::kUnknown) {
       return absl::InvalidArgumentError(absl::StrCat(
@@ -83,6 +88,25 @@ class RemeshCommand {
     return absl::OkStatus();
   }
 
+  absl::Status ParseSession() {
+    const std::string &session = arguments_.session, &kept = arguments_.keep_session;
+    if (session.empty() && kept.empty()) return absl::OkStatus();
+    if (!remote()) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(kept.empty() ? "--session" : "--keep-session", " needs --server: the session lives there"));
+    }
+    if (!session.empty() && !kept.empty())
+      return absl::InvalidArgumentError("--session and --keep-session contradict each other; give one of them");
+    call_.keep_session = !kept.empty();
+    if (session.empty()) return absl::OkStatus();
+    if (arguments_.in != "-")
+      return absl::InvalidArgumentError(absl::StrCat("IN is ", arguments_.in, "; with --session it must be -"));
+    if (!arguments_.picture.empty() || !arguments_.write_repaired.empty())
+      return absl::InvalidArgumentError("--picture and --write-repaired need IN, which --session takes the place of");
+    MESHFRONT_ASSIGN_OR_RETURN(call_.session_id, ReadSessionName(session));
+    return absl::OkStatus();
+  }
+
   absl::Status CheckEndings() const {
     const std::string &repaired = arguments_.write_repaired, &picture = arguments_.picture;
     const Format format = FormatOfName(repaired);
@@ -101,7 +125,8 @@ class RemeshCommand {
             {"--trace", arguments_.trace},
             {"--picture", arguments_.picture},
             {"--write-repaired", arguments_.write_repaired},
-            {"--removed", arguments_.removed}};
+            {"--removed", arguments_.removed},
+            {"--keep-session", arguments_.keep_session}};
   }
 
   // OUT may take the place of IN; nothing else may, nor anything that of the list of a region's faces.
@@ -113,6 +138,8 @@ class RemeshCommand {
         MESHFRONT_RETURN_IF_ERROR(CheckNoneCollide({{"IN", arguments_.in}, output}));
       if (absl::StartsWith(region, faces))
         MESHFRONT_RETURN_IF_ERROR(CheckNoneCollide({{"--region", region.substr(faces.size())}, output}));
+      if (!arguments_.session.empty())
+        MESHFRONT_RETURN_IF_ERROR(CheckNoneCollide({{"--session", arguments_.session}, output}));
     }
     return absl::OkStatus();
   }
@@ -127,6 +154,7 @@ class RemeshCommand {
   }
 
   ExitCode ReadMesh() {
+    if (!call_.session_id.empty()) return LeaveAttributes();
     const absl::Time begin = absl::Now();
     absl::StatusOr<ReadResult> read = ReadInput(arguments_.in, in_format_);
     if (!read.ok()) return Fail(ExitCodeOfRead(read.status()), read.status());
@@ -138,9 +166,17 @@ class RemeshCommand {
     return ExitCode::kDone;
   }
 
-  // What OUT has no place for, or a region would lose, is not sent, so that the surface is not cut along its seams.
+  // What a session's attributes are called is known to who sent them.
+  ExitCode LeaveAttributes() {
+    call_.options.set_attributes(v1::ATTRIBUTE_POLICY_DROP);
+    if (arguments_.meshing.attributes == "keep")
+      warnings_.push_back("not carried over: attributes, since there is no IN");
+    return ExitCode::kDone;
+  }
+
+  // What OUT has no place for is not sent, so that the surface is not cut along its seams.
   void ChooseAttributes() {
-    const bool has_place = HoldsAttributes(out_format_) && !arguments_.meshing.region;
+    const bool has_place = HoldsAttributes(out_format_);
     const bool wanted = arguments_.meshing.attributes != "drop";
     std::vector<std::string> left_out = input_.dropped_attributes;
     if (wanted && !has_place) {
@@ -260,6 +296,13 @@ class RemeshCommand {
     std::string lines;
     for (const uint32_t face : removed_) absl::StrAppend(&lines, face, "\n");
     const absl::Status written = WriteWholeFile(arguments_.removed, lines);
+    return written.ok() ? ExitCode::kDone : Fail(ExitCode::kOutput, written);
+  }
+
+  // Where there is none, a warning has said why.
+  ExitCode WriteSession() {
+    if (arguments_.keep_session.empty() || !summary_.has_session()) return ExitCode::kDone;
+    const absl::Status written = WriteWholeFile(arguments_.keep_session, summary_.session().id() + "\n");
     return written.ok() ? ExitCode::kDone : Fail(ExitCode::kOutput, written);
   }
 

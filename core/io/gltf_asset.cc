@@ -339,6 +339,7 @@ class Formatter {
   static void ToNode(AttributeRole role, const Inverse& inverse, float* at) {
     if (role != AttributeRole::kNormal && role != AttributeRole::kTangent) return;
     const Vec3 v{at[0], at[1], at[2]};
+    if (KeepsBits(inverse.to, v)) return;
     const Vec3 moved = role == AttributeRole::kNormal ? inverse.Normal(v) : Normalized(inverse.Direction(v));
     for (int axis = 0; axis < 3; ++axis) at[axis] = static_cast<float>(moved[axis]);
     if (role == AttributeRole::kTangent) at[3] = (at[3] < 0) != inverse.mirrors() ? -1 : 1;

@@ -1,6 +1,7 @@
 // A glTF around another mesh: nodes, materials, textures, animations, skins and extras as they were, the primitives new.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -17,6 +18,13 @@ namespace meshfront {
 struct GltfTransform {
   Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1}, origin;
 };
+
+// Whether a normal or tangent passes with its bits: it is of unit length but for rounding, and nothing turns it.
+inline bool KeepsBits(const GltfTransform& t, const Vec3& direction) {
+  constexpr double rounding = 1e-3;
+  return t.x == Vec3{1, 0, 0} && t.y == Vec3{0, 1, 0} && t.z == Vec3{0, 0, 1} &&
+         std::abs(SquaredNorm(direction) - 1) < rounding;
+}
 
 // A primitive as a node has it: where the faces of one group of the mesh come from.
 struct GltfGroup {

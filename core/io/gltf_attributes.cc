@@ -35,6 +35,7 @@ Vec3 CarriedNormal(const GltfTransform& t, const Vec3& n) {
 void ToWorld(const GltfTransform& t, AttributeRole role, float* at) {
   if (role != AttributeRole::kNormal && role != AttributeRole::kTangent) return;
   const Vec3 v{at[0], at[1], at[2]};
+  if (KeepsBits(t, v)) return;
   const Vec3 moved =
       role == AttributeRole::kNormal ? CarriedNormal(t, v) : Normalized(v.x * t.x + v.y * t.y + v.z * t.z);
   for (int axis = 0; axis < 3; ++axis) at[axis] = static_cast<float>(moved[axis]);

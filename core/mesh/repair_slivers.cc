@@ -28,13 +28,13 @@ constexpr size_t kLongestFan = 256;  // around a vertex; where there are more fa
 
 class SliverMender {
  public:
-  SliverMender(TriangleMesh& mesh, FaceAdjacency& adjacency, double reach)
-      : mesh_(mesh), adjacency_(adjacency), reach_(reach) {}
+  SliverMender(TriangleMesh& mesh, FaceAdjacency& adjacency, double reach, const std::vector<bool>& kept)
+      : mesh_(mesh), adjacency_(adjacency), reach_(reach), kept_(kept) {}
 
   SliverChanges Run(const std::vector<bool>& sharp) {
     if (!AnyAtSharpEdges(sharp)) return changes_;
     for (uint32_t f = 0; f < mesh_.triangles.size(); ++f) {
-      if (IsWrong(f)) pending_.push_back(f);
+      if (!IsKept(f) && IsWrong(f)) pending_.push_back(f);
     }
     moved_.assign(mesh_.triangles.size(), 0);
     vertex_moved_.assign(mesh_.positions.size(), 0);
@@ -42,7 +42,7 @@ class SliverMender {
     while (!pending_.empty()) {
       const uint32_t f = pending_.front();
       pending_.pop_front();
-      if (IsGone(f) || !IsWrong(f) || IsWall(f) || ++visits_[f] > kVisitsPerFace) continue;
+      if (IsKept(f) || IsGone(f) || !IsWrong(f) || IsWall(f) || ++visits_[f] > kVisitsPerFace) continue;
       if (Collapse(ShortestSide(mesh_, f))) {
         ++changes_.collapsed_needles;
       } else if (Flip(LongestSide(mesh_, f)) || Flip(MiddleSide(f))) {
@@ -88,12 +88,13 @@ class SliverMender {
   bool IsWall(uint32_t f) const;
   bool AnyAtSharpEdges(const std::vector<bool>& sharp) const {
     for (uint32_t f = 0; f < mesh_.triangles.size(); ++f) {
-      if ((sharp[3 * f] || sharp[3 * f + 1] || sharp[3 * f + 2]) && IsWrong(f)) return true;
+      if (!IsKept(f) && (sharp[3 * f] || sharp[3 * f + 1] || sharp[3 * f + 2]) && IsWrong(f)) return true;
     }
     return false;
   }
   double Moved(VertexId v) const { return vertex_moved_[v.index()]; }
   bool IsGone(uint32_t f) const { return moved_[f] < 0; }
+  bool IsKept(uint32_t f) const { return !kept_.empty() && kept_[f]; }
 
   uint32_t Origin(uint32_t h) const { return OriginOf(mesh_, h).index(); }
   uint32_t Apex(uint32_t h) const { return Origin(PreviousHalfEdge(h)); }
@@ -119,6 +120,7 @@ class SliverMender {
   TriangleMesh& mesh_;
   FaceAdjacency& adjacency_;
   const double reach_;
+  const std::vector<bool>& kept_;
   std::deque<uint32_t> pending_;
   std::vector<int> visits_;
   std::vector<double> moved_;         // how far the surface of each face may have moved; below 0: the face is gone
@@ -154,7 +156,7 @@ double SliverMender::Deviation(uint32_t h) const {
 // The side of a cap f (FlipEdge has the drawing), unless the surface would move too far or turn over.
 bool SliverMender::Flip(uint32_t h) {
   const uint32_t g = adjacency_.OppositeOf(h);
-  if (g == kNoHalfEdge) return false;
+  if (g == kNoHalfEdge || IsKept(h / 3) || IsKept(g / 3)) return false;
   const VertexId u = OriginOf(mesh_, h), v = TargetOf(mesh_, h), w = VertexId(Apex(h)), d = VertexId(Apex(g));
   if (w == d) return false;
   const Shape cap = ShapeOf(CornersOf(mesh_.triangles[h / 3])), across = ShapeOf(CornersOf(mesh_.triangles[g / 3]));
@@ -244,7 +246,7 @@ std::optional<double> SliverMender::CostOfMoving(uint32_t h) const {
   const double moved = DeviationOfMoving(h, fan);
   double cost = 0;
   for (const uint32_t e : fan) {
-    if (moved_[e / 3] + vertex_moved_[Origin(h)] + moved > reach_) return std::nullopt;
+    if (IsKept(e / 3) || moved_[e / 3] + vertex_moved_[Origin(h)] + moved > reach_) return std::nullopt;
     if (e / 3 == h / 3 || e / 3 == g / 3) continue;
     Triangle t = mesh_.triangles[e / 3];
     const Shape before = ShapeOf(CornersOf(t));
@@ -302,8 +304,9 @@ void SliverMender::Finish() {
 
 }  // namespace
 
-SliverChanges MendSlivers(TriangleMesh& mesh, FaceAdjacency& adjacency, const std::vector<bool>& sharp, double reach) {
-  return SliverMender(mesh, adjacency, reach).Run(sharp);
+SliverChanges MendSlivers(TriangleMesh& mesh, FaceAdjacency& adjacency, const std::vector<bool>& sharp, double reach,
+                          const std::vector<bool>& kept) {
+  return SliverMender(mesh, adjacency, reach, kept).Run(sharp);
 }
 
 }  // namespace meshfront

@@ -29,7 +29,9 @@ struct SliverChanges {
 // thinner for it or turns over; walls of thin sheets stay. What can't be mended so stays as well. Faces and vertices keep their
 // order, vertices that are not used any more go; `adjacency` is that of the result. O(n), as no face is looked
 // at more than 8 times, and vertices with more than 256 neighbours are left alone. 2 to 7 ns a triangle where no sliver is at a sharp edge;
-// 50 to 220 on parts with 50 to 700 that are mended.
-SliverChanges MendSlivers(TriangleMesh& mesh, FaceAdjacency& adjacency, const std::vector<bool>& sharp, double reach);
+// 50 to 220 on parts with 50 to 700 that are mended. Faces that are `kept` (one flag each; empty: none is) stay as they are, and so do
+// their vertices.
+SliverChanges MendSlivers(TriangleMesh& mesh, FaceAdjacency& adjacency, const std::vector<bool>& sharp, double reach,
+                          const std::vector<bool>& kept = {});
 
 }  // namespace meshfront

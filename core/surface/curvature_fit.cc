@@ -326,7 +326,7 @@ double MaxCurvatureOfQuadratic(double a, double b, double c, double d, double e)
 
 absl::StatusOr<std::vector<double>> FitMaxCurvatures(const TriangleMesh& mesh, const FaceAdjacency& adjacency,
                                                      absl::Span<const Vec3> normals, const Context& context,
-                                                     const LeastLengths& least) {
+                                                     const LeastLengths& least, const std::vector<bool>& wanted) {
   MESHFRONT_ASSIGN_OR_RETURN(VertexRings rings, CreateVertexRings(mesh, adjacency, context));
   const Sources sources{WeightedSamples(mesh, normals), mesh.positions, normals, std::move(rings), adjacency, least};
   std::vector<double> curvatures(mesh.positions.size());
@@ -334,8 +334,10 @@ absl::StatusOr<std::vector<double>> FitMaxCurvatures(const TriangleMesh& mesh, c
   MESHFRONT_RETURN_IF_ERROR(ParallelFor(curvatures.size(), kGrain, context, [&](size_t begin, size_t end) {
     std::unique_ptr<RingCollector> ring = collectors.Take();
     RingSamples samples;
-    for (size_t v = begin; v < end; ++v)
-      curvatures[v] = MaxCurvatureAt(sources, static_cast<uint32_t>(v), *ring, samples);
+    for (size_t v = begin; v < end; ++v) {
+      if (wanted.empty() || wanted[v])
+        curvatures[v] = MaxCurvatureAt(sources, static_cast<uint32_t>(v), *ring, samples);
+    }
     collectors.GiveBack(std::move(ring));
   }));
   return curvatures;

@@ -91,11 +91,18 @@ double MeanEdgeAt(const TriangleMesh& mesh, const FaceAdjacency& adjacency, uint
 
 }  // namespace
 
-absl::Status MeshSurface::ComputeCurvature(const Context& context) {
+absl::Status MeshSurface::ComputeCurvature(const Context& context) { return ComputeCurvatureOf({}, context); }
+
+absl::Status MeshSurface::ComputeCurvatureOf(const std::vector<bool>& faces, const Context& context) {
+  std::vector<bool> wanted(faces.empty() ? 0 : mesh_.positions.size(), false);
+  for (size_t f = 0; f < faces.size(); ++f) {
+    if (!faces[f]) continue;
+    for (const VertexId v : mesh_.triangles[f]) wanted[v.index()] = true;
+  }
   std::vector<double> least_lengths;
   for (const double diagonal : whole_diagonals()) least_lengths.push_back(kLeastOfDiagonal * diagonal);
   MESHFRONT_ASSIGN_OR_RETURN(
-      curvatures_, FitMaxCurvatures(mesh_, adjacency_, normals_, context, {least_lengths, components_.label}));
+      curvatures_, FitMaxCurvatures(mesh_, adjacency_, normals_, context, {least_lengths, components_.label}, wanted));
   has_curvature_ = true;
   return absl::OkStatus();
 }

@@ -73,6 +73,8 @@ class MeshSurface final : public Surface {
   // Fits the curvature of every vertex (curvature_fit.h), on the context's threads. To be called once, before anything that
   // tells a curvature: until then all are 0. Below 1 µs a vertex and core.
   absl::Status ComputeCurvature(const Context& context);
+  // … of the vertices of some faces alone (`faces`: one flag each); 0 elsewhere.
+  absl::Status ComputeCurvatureOf(const std::vector<bool>& faces, const Context& context);
 
   const TriangleMesh& mesh() const { return mesh_; }
   const FaceAdjacency& adjacency() const { return adjacency_; }

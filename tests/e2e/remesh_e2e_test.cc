@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <thread>
 
 #include "core/mesh/topology.h"
 #include "google/rpc/error_details.pb.h"
@@ -95,6 +96,88 @@ TEST(RemeshOverSocket, SendsThePatchOfARegionAndWhatItReplaces) {
   EXPECT_EQ(summary.region().replaced_triangles(), faces.size());
   EXPECT_EQ(summary.region().new_triangles(), summary.output().triangles());
   EXPECT_EQ(summary.output().boundary_loops(), 1u);
+}
+
+// The patch of a ball at one end of a sphere.
+v1::Header PatchHeader(const v1::Header& of, double z) {
+  v1::Header header = of;
+  header.mutable_output()->set_scalar_type(v1::SCALAR_TYPE_FLOAT64);
+  v1::Region& region = *header.mutable_options()->mutable_region();
+  region.mutable_sphere()->mutable_center()->set_z(z);
+  region.mutable_sphere()->set_radius(0.5);
+  region.set_patch_only(true);
+  return header;
+}
+
+std::vector<v1::RemeshRequest> SessionRequest(const std::string& id, double z) {
+  v1::Header header;
+  header.set_session_id(id);
+  std::vector<v1::RemeshRequest> messages(2);
+  *messages[0].mutable_header() = PatchHeader(header, z);
+  messages[1].mutable_end();
+  return messages;
+}
+
+Outcome RemeshAt(const ServerProcess& server, const std::vector<v1::RemeshRequest>& messages) {
+  grpc::ClientContext context;
+  return Remesh(*server.NewStub(), context, messages);
+}
+
+// What comes of a session is what comes of the mesh sent again, also in two calls at a time.
+TEST(RemeshOverSocket, RemeshesRegionAfterRegionOfASession) {
+  const TriangleMesh sphere = Icosphere(4);
+  const ServerProcess server;
+  v1::Header header = PatchHeader(HeaderOf(sphere), 1);
+  header.set_keep_session(true);
+  const Outcome first = RemeshAt(server, RequestOf(sphere, header));
+  ASSERT_TRUE(first.status.ok()) << first.status.error_message();
+  ASSERT_TRUE(first.summary->has_session());
+  const v1::Session& session = first.summary->session();
+  EXPECT_EQ(session.id().size(), 32u);
+  EXPECT_EQ(session.ttl_seconds(), 600);
+  EXPECT_GT(session.bytes(), sphere.triangles.size() * sizeof(Triangle));
+
+  const Outcome alone = RemeshAt(server, RequestOf(sphere, PatchHeader(HeaderOf(sphere), -1)));
+  EXPECT_FALSE(alone.summary->has_session());
+  Outcome again[2];
+  std::thread beside([&] { again[1] = RemeshAt(server, SessionRequest(session.id(), -1)); });
+  again[0] = RemeshAt(server, SessionRequest(session.id(), -1));
+  beside.join();
+  for (const Outcome& outcome : again) {
+    ASSERT_TRUE(outcome.status.ok()) << outcome.status.error_message();
+    EXPECT_EQ(outcome.mesh.positions, alone.mesh.positions);
+    EXPECT_EQ(outcome.mesh.triangles, alone.mesh.triangles);
+    EXPECT_EQ(outcome.summary->session().id(), session.id());
+  }
+}
+
+TEST(RemeshOverSocket, SaysThatASessionIsGone) {
+  const TriangleMesh sphere = Icosphere(3);
+  const ServerProcess server({"--max-sessions", "1"});
+  std::string ids[2];
+  for (std::string& id : ids) {
+    v1::Header header = HeaderOf(sphere);
+    header.set_keep_session(true);
+    const Outcome kept = RemeshAt(server, RequestOf(sphere, header));
+    ASSERT_TRUE(kept.status.ok()) << kept.status.error_message();
+    id = kept.summary->session().id();
+  }
+  const Outcome gone = RemeshAt(server, SessionRequest(ids[0], 1)), there = RemeshAt(server, SessionRequest(ids[1], 1));
+  EXPECT_EQ(gone.status.error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(gone.reason(), "SESSION_UNKNOWN");
+  EXPECT_THAT(gone.status.error_message(), HasSubstr("send the mesh again"));
+  EXPECT_TRUE(there.status.ok());
+}
+
+TEST(RemeshOverSocket, WarnsWhereNoSessionIsKept) {
+  const ServerProcess server({"--max-sessions", "0"});
+  const TriangleMesh sphere = Icosphere(3);
+  v1::Header header = HeaderOf(sphere);
+  header.set_keep_session(true);
+  const Outcome outcome = RemeshAt(server, RequestOf(sphere, header));
+  ASSERT_TRUE(outcome.status.ok()) << outcome.status.error_message();
+  EXPECT_FALSE(outcome.summary->has_session());
+  EXPECT_THAT(outcome.summary->warnings(), ::testing::Contains(HasSubstr("no session is kept")));
 }
 
 TEST(RemeshOverSocket, ReturnsTheRestOfARegionBitForBitAndNamesTheFieldOfAnEmptyOne) {

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "absl/strings/str_cat.h"
 #include "core/io/mesh_io.h"
 #include "core/remesh.h"
 #include "tests/e2e/server_process.h"
@@ -105,6 +106,33 @@ TEST(SameBitsOverSocket, InAFileOfTheProgram) {
     EXPECT_GT(files[0].size(), 10'000u);
     EXPECT_THAT(files, ::testing::Each(files[0]));
   }
+  std::filesystem::remove_all(folder);
+}
+
+TEST(SameBitsOverSocket, InAPatchOfASession) {
+  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "meshfront_session";
+  std::filesystem::create_directories(folder);
+  const std::string in = folder / "in.ply", out = folder / "out.ply", session = folder / "session";
+  const ServerProcess server;
+  ASSERT_TRUE(WriteMeshFile(in, Shapes()[0]).ok());
+  const Vec3 place = Shapes()[0].positions[0];
+  const std::string region = absl::StrCat("sphere:", place.x, ",", place.y, ",", place.z, ",0.6");
+  const auto run = [&](const std::string& of, const std::vector<std::string>& flags) {
+    std::vector<std::string> command = {MESHFRONT_PROGRAM, "remesh",       of,         out,
+                                        "--quiet",         "--patch-only", "--region", region};
+    command.insert(command.end(), flags.begin(), flags.end());
+    const int code = ChildProcess(command).Wait();
+    return code == 0 ? BytesOf(out) : std::to_string(code);
+  };
+  const std::string alone = run(in, {});
+  EXPECT_GT(alone.size(), 1000u);
+  EXPECT_EQ(run(in, {"--server", server.address(), "--keep-session", session}), alone);
+  EXPECT_EQ(run("-", {"--server", server.address(), "--session", session}), alone);
+  std::ofstream(session) << "0123456789abcdef\n";
+  EXPECT_EQ(run("-", {"--server", server.address(), "--session", session}), "3") << "no such session";
+  EXPECT_EQ(run(in, {"--session", session}), "2") << "no server";
+  EXPECT_EQ(run(in, {"--server", server.address(), "--session", session}), "2") << "IN beside it";
+  EXPECT_EQ(run("-", {"--server", server.address(), "--session", in + "x"}), "2") << "no such file";
   std::filesystem::remove_all(folder);
 }
 

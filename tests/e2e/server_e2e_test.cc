@@ -58,6 +58,8 @@ TEST(ServerProcess, PrintsTheValuesInForceFromFlagsAndTheirEnvironmentTwins) {
   EXPECT_EQ(config["max_queue"], 3) << "a flag goes before its twin";
   EXPECT_EQ(config["stall_timeout"], 1.5);
   EXPECT_EQ(defaults["max_job_seconds"], 0);
+  EXPECT_EQ(defaults["max_sessions"], 16);
+  EXPECT_EQ(ConfigWith("MESHFRONT_SESSION_TTL=7 MESHFRONT_MAX_SESSION_MB=9", "--max-sessions 3")["session_ttl"], 7);
   EXPECT_EQ(ConfigWith("MESHFRONT_MAX_JOB_SECONDS=7 MESHFRONT_DRAIN_TIMEOUT=8", "")["max_job_seconds"], 7);
 }
 

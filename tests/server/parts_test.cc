@@ -9,9 +9,11 @@
 #include "server/call_gate.h"
 #include "server/config.h"
 #include "server/pending_bytes.h"
+#include "server/session_store.h"
 #include "server/upload_watch.h"
 #include "server/worker_pool.h"
 #include "tests/server/fakes.h"
+#include "tests/support/shapes.h"
 
 namespace meshfront {
 namespace {
@@ -112,6 +114,70 @@ TEST(IsLoopback, KnowsWhatOtherMachinesReach) {
   for (const char* there : {"0.0.0.0:1", "[::]:1", "10.0.0.1:1", "127.evil.example:1", "example.org:1", ":50051"}) {
     EXPECT_FALSE(IsLoopback(there)) << there;
   }
+}
+
+std::shared_ptr<const PreparedInput> Ball(int level) {
+  return *PreparedInput::Create(testing::Icosphere(level), true, {});
+}
+
+TEST(SessionStore, KeepsMeshesUnderNamesOfTheirOwn) {
+  SessionStore store({4, 1 << 20, absl::Minutes(1)});
+  const auto ball = Ball(2);
+  const std::string first = *store.Keep(ball), second = *store.Keep(ball);
+  EXPECT_NE(first, second);
+  EXPECT_EQ(first.size(), 32u) << "128 random bits";
+  EXPECT_EQ(*store.Find(first), ball);
+  EXPECT_EQ(store.usage().sessions, 2u);
+  EXPECT_EQ(store.usage().bytes, 2 * ball->bytes());
+  const absl::Status unknown = store.Find("0123").status();
+  EXPECT_EQ(unknown.code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(ReasonOf(unknown).reason, "SESSION_UNKNOWN");
+}
+
+TEST(SessionStore, ForgetsWhatWasNotUsedForItsTime) {
+  absl::Time now = absl::UnixEpoch();
+  SessionStore store({4, 1 << 20, absl::Minutes(1)}, [&] { return now; });
+  const std::string used = *store.Keep(Ball(1)), idle = *store.Keep(Ball(1));
+  now += absl::Seconds(40);
+  EXPECT_TRUE(store.Find(used).ok());
+  now += absl::Seconds(40);
+  EXPECT_TRUE(store.Find(used).ok());
+  EXPECT_FALSE(store.Find(idle).ok());
+  EXPECT_EQ(store.usage().sessions, 1u);
+  now += absl::Seconds(61);
+  EXPECT_EQ(store.usage().bytes, 0u);
+}
+
+TEST(SessionStore, LetsTheOneThatWasUsedLongestAgoGoFirst) {
+  const auto ball = Ball(2);
+  SessionStore by_count({2, 1 << 30, absl::Minutes(1)}), by_bytes({9, 2 * ball->bytes(), absl::Minutes(1)});
+  for (SessionStore* store : {&by_count, &by_bytes}) {
+    const std::string first = *store->Keep(ball), second = *store->Keep(ball);
+    EXPECT_TRUE(store->Find(first).ok());
+    const std::string third = *store->Keep(ball);
+    EXPECT_TRUE(store->Find(first).ok() && store->Find(third).ok());
+    EXPECT_FALSE(store->Find(second).ok());
+  }
+}
+
+TEST(SessionStore, RefusesWhatIsBeyondItsLimitsAlone) {
+  SessionStore none({0, 1 << 20, absl::Minutes(1)}), small({4, 1000, absl::Minutes(1)});
+  EXPECT_EQ(none.Keep(Ball(1)).status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(small.Keep(Ball(2)).status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(small.usage().sessions, 0u);
+}
+
+TEST(SessionStore, IsSafeToUseFromManyThreads) {
+  SessionStore store({3, 1 << 20, absl::Minutes(1)});
+  const auto ball = Ball(1);
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 4; ++i) {
+    threads.emplace_back([&] {
+      for (int round = 0; round < 50; ++round) (void)store.Find(*store.Keep(ball));
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(store.usage().sessions, 3u);
 }
 
 }  // namespace

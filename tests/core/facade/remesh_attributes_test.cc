@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -57,15 +59,16 @@ struct Outcome {
   Report report;
 };
 
-Outcome RemeshOrFail(const TriangleMesh& input, const RemeshOptions& options) {
+Outcome RemeshOrFail(const TriangleMesh& input, const RemeshOptions& options,
+                     const std::optional<Region>& region = std::nullopt) {
   CheckingSink sink;
-  absl::StatusOr<Report> report = Remesh({input, options}, sink, Context());
+  absl::StatusOr<Report> report = Remesh({input, options, region}, sink, Context());
   EXPECT_THAT(report, IsOk());
   if (!report.ok()) return {};
   sink.CheckEnd();
   EXPECT_THAT(sink.complaints(), IsEmpty());
   Outcome outcome{sink.mesh(), *std::move(report)};
-  outcome.mesh.attributes.channels = input.attributes.channels;
+  if (options.attributes) outcome.mesh.attributes.channels = input.attributes.channels;
   EXPECT_THAT(ValidateAttributes(outcome.mesh.attributes, outcome.mesh.triangles.size()), IsOk());
   return outcome;
 }
@@ -106,6 +109,100 @@ TEST_P(TexturedShapes, HaveTheTextureOfTheInputOnTheirSideOfEverySeam) {
     }
   }
   EXPECT_LT(largest, 0.02) << where.x << " " << where.y << " " << where.z;
+}
+
+// A face with what its corners carry, wherever its corners begin.
+using FaceBits = std::vector<std::vector<double>>;
+FaceBits BitsOf(const TriangleMesh& mesh, size_t face) {
+  FaceBits bits;
+  for (int i = 0; i < 3; ++i) {
+    const Vec3& p = mesh.PositionAt(mesh.triangles[face][i]);
+    std::vector<double>& corner = bits.emplace_back(std::vector<double>{p.x, p.y, p.z});
+    if (mesh.attributes.channels.empty()) continue;
+    for (const float value : mesh.attributes.WedgeAt(mesh.attributes.corners[face][i])) corner.push_back(value);
+  }
+  std::rotate(bits.begin(), std::min_element(bits.begin(), bits.end()), bits.end());
+  bits.push_back({static_cast<double>(mesh.attributes.GroupOf(face))});
+  return bits;
+}
+
+bool IsInside(const RegionSphere& sphere, const TriangleMesh& mesh, const Triangle& t) {
+  return std::all_of(t.begin(), t.end(),
+                     [&](VertexId v) { return Distance(mesh.PositionAt(v), sphere.center) <= sphere.radius; });
+}
+
+// Faces outside of the region that are not in the result with all their bits.
+size_t CountMissing(const TriangleMesh& input, const RegionSphere& sphere, const TriangleMesh& result) {
+  std::multiset<FaceBits> left;
+  for (size_t f = 0; f < result.triangles.size(); ++f) left.insert(BitsOf(result, f));
+  size_t missing = 0;
+  for (size_t f = 0; f < input.triangles.size(); ++f) {
+    if (IsInside(sphere, input, input.triangles[f])) continue;
+    const auto found = left.find(BitsOf(input, f));
+    if (found == left.end())
+      ++missing;
+    else
+      left.erase(found);
+  }
+  return missing;
+}
+
+// Regions on seams, beside them and on both sides of a corner: their border crosses seams, or runs along them.
+TEST_P(TexturedShapes, KeepTheRestOfARegionWithItsBitsAndInterpolateInside) {
+  const TriangleMesh input = Textured(GetParam().make(), GetParam().map);
+  for (const Vec3& toward : {Vec3{-1, 0.05, 0.1}, Vec3{1, 0.3, 0.2}, Vec3{0.5, 0.6, 0.9}}) {
+    const auto farthest =
+        std::max_element(input.positions.begin(), input.positions.end(),
+                         [&](const Vec3& a, const Vec3& b) { return Dot(a, toward) < Dot(b, toward); });
+    const RegionSphere sphere{*farthest, 0.5};
+    const auto [mesh, report] = RemeshOrFail(input, {.rho = 0.3}, Region{sphere});
+    SCOPED_TRACE(std::to_string(toward.x));
+    EXPECT_EQ(CountMissing(input, sphere, mesh), 0u);
+    EXPECT_TRUE(report.complete);
+    EXPECT_TRUE(report.output.manifold);
+    double largest = 0;
+    for (size_t f = report.region->kept_triangles; f < mesh.triangles.size(); ++f) {
+      const Vec3 centroid = CentroidOf(mesh, mesh.triangles[f]);
+      if (std::hypot(centroid.x, centroid.y) < 0.3 && GetParam().map == AroundZ) continue;
+      for (int i = 0; i < 3; ++i) {
+        const auto [u, v] = GetParam().map(mesh.PositionAt(mesh.triangles[f][i]), centroid);
+        const absl::Span<const float> values = mesh.attributes.WedgeAt(mesh.attributes.corners[f][i]);
+        largest = std::max({largest, std::abs(values[0] - u), std::abs(values[1] - v)});
+      }
+    }
+    EXPECT_LT(largest, 0.02);
+  }
+}
+
+// Where no seam is, the border's vertices have one wedge on both sides of it.
+TEST(Region, SharesTheWedgesOfItsBorder) {
+  const TriangleMesh input = Textured(Icosphere(4), [](const Vec3& p, const Vec3&) { return std::array{p.x, p.y}; });
+  const auto [mesh, report] = RemeshOrFail(input, {.rho = 0.3}, Region{RegionSphere{{0, 0, 1}, 0.6}});
+  EXPECT_EQ(mesh.attributes.wedge_count(), mesh.positions.size());
+  EXPECT_GT(report.region->new_triangles, 100u);
+}
+
+// Two materials that meet inside of the region: no new triangle lies on both sides.
+TEST(Region, KeepsTheBorderOfMaterials) {
+  TriangleMesh input = Cube(16);
+  for (const Triangle& t : input.triangles) input.attributes.groups.push_back(CentroidOf(input, t).x > 0 ? 7 : 2);
+  const RegionSphere sphere{{0, 0, 1}, 0.7};
+  const auto [mesh, report] = RemeshOrFail(input, {.rho = 0.3}, Region{sphere});
+  EXPECT_EQ(CountMissing(input, sphere, mesh), 0u);
+  for (size_t f = 0; f < mesh.triangles.size(); ++f) {
+    for (const VertexId v : mesh.triangles[f])
+      EXPECT_TRUE(mesh.attributes.GroupOf(f) == 7 ? mesh.PositionAt(v).x > -1e-9 : mesh.PositionAt(v).x < 1e-9) << f;
+  }
+}
+
+TEST(Region, HandsOnAPatchWithItsAttributesOrWithout) {
+  const TriangleMesh input = Textured(Torus(1, 0.4, 64, 32), AroundZ);
+  Region region{RegionSphere{{1.4, 0, 0}, 0.5}, true};
+  const auto [patch, report] = RemeshOrFail(input, {.rho = 0.3}, region);
+  EXPECT_EQ(patch.attributes.corners.size(), patch.triangles.size());
+  const auto [bare, bare_report] = RemeshOrFail(input, {.rho = 0.3, .attributes = false}, region);
+  EXPECT_TRUE(bare.attributes.empty());
+  EXPECT_THAT(report.warnings, IsEmpty());
 }
 
 INSTANTIATE_TEST_SUITE_P(All, TexturedShapes, ValuesIn(Shapes()), [](const auto& info) { return info.param.name; });

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -11,6 +13,7 @@
 
 #include "core/mesh/adjacency.h"
 #include "core/mesh/quality.h"
+#include "core/prepared_input.h"
 #include "core/remesh.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -282,6 +285,60 @@ TEST(RemeshRegion, GivesTheSameBitsAtAnyThreadCount) {
   ASSERT_THAT(Remesh({mesh, {}, region}, four, context), IsOk());
   EXPECT_EQ(one.mesh.positions, four.mesh.positions);
   EXPECT_EQ(one.mesh.triangles, four.mesh.triangles);
+}
+
+// What is kept of an input (PreparedInput) must change nothing but the time.
+void ExpectSameAsAlone(const std::shared_ptr<const PreparedInput>& prepared, const TriangleMesh& mesh,
+                       const std::optional<Region>& region, const RemeshOptions& options = {}) {
+  CollectingSink alone, again;
+  const auto expected = Remesh({mesh, options, region}, alone, {});
+  const auto report = Remesh({{}, options, region, prepared}, again, {});
+  ASSERT_EQ(report.status(), expected.status());
+  EXPECT_EQ(again.mesh.positions, alone.mesh.positions);
+  EXPECT_EQ(again.mesh.triangles, alone.mesh.triangles);
+  if (!report.ok()) return;
+  EXPECT_EQ(report->warnings, expected->warnings);
+  ASSERT_EQ(report->region.has_value(), region.has_value());
+  if (region) {
+    EXPECT_EQ(report->region->removed_faces, expected->region->removed_faces);
+  }
+}
+
+std::shared_ptr<const PreparedInput> Prepared(const TriangleMesh& mesh, bool repair = true) {
+  auto prepared = PreparedInput::Create(mesh, repair, {});
+  EXPECT_THAT(prepared, IsOk());
+  return prepared.ok() ? *prepared : nullptr;
+}
+
+TEST(RemeshRegion, GivesTheSameBytesOfAPreparedInput) {
+  for (const TriangleMesh& mesh : {testing::Icosphere(4), testing::Soup(testing::Cube(8)),
+                                   testing::Scaled(testing::Icosphere(3), 1e140), testing::ThinSlab(30)}) {
+    const auto prepared = Prepared(mesh);
+    for (const uint64_t round : {1, 2, 3}) {
+      Region region{RandomSphere(mesh, round)};
+      region.patch_only = round == 2;
+      ExpectSameAsAlone(prepared, mesh, region);
+    }
+    ExpectSameAsAlone(prepared, mesh, Region{RegionFaces{0, 5, 7}, true});
+    ExpectSameAsAlone(prepared, mesh, std::nullopt);
+  }
+}
+
+// A mesh that needs repair, prepared with it and without.
+TEST(RemeshRegion, AsksAPreparedInputForRepairAsTheOptionsDo) {
+  const TriangleMesh soup = testing::Soup(testing::Icosphere(3)), whole = testing::Icosphere(3);
+  const Region region{RegionSphere{{0, 0, 1}, 0.6}};
+  RemeshOptions options;
+  options.repair = false;
+  ExpectSameAsAlone(Prepared(soup), soup, region, options);
+  ExpectSameAsAlone(Prepared(whole, false), whole, region);
+  ExpectSameAsAlone(Prepared(whole), whole, region, options);
+}
+
+TEST(PreparedInput, RefusesAPointSet) {
+  TriangleMesh points = testing::Icosphere(2);
+  points.triangles.clear();
+  EXPECT_THAT(PreparedInput::Create(points, true, {}), StatusIs(absl::StatusCode::kInvalidArgument, "point set"));
 }
 
 }  // namespace

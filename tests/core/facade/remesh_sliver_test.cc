@@ -1,5 +1,7 @@
 // Inputs with slivers, whose normals say nothing, come out as those without.
 #include <algorithm>
+#include <array>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -25,6 +27,15 @@ Report RemeshOrFail(const TriangleMesh& input, const RemeshOptions& options) {
   return *std::move(report);
 }
 
+// The corners from the smallest on.
+using Place = std::array<double, 3>;
+std::array<Place, 3> CornersOf(const TriangleMesh& mesh, const Triangle& t) {
+  std::array<Place, 3> corners;
+  for (int i = 0; i < 3; ++i) corners[i] = {mesh.PositionAt(t[i]).x, mesh.PositionAt(t[i]).y, mesh.PositionAt(t[i]).z};
+  std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+  return corners;
+}
+
 uint64_t CountOf(const std::vector<RepairAction>& repairs, const std::string& what) {
   for (const RepairAction& action : repairs) {
     if (action.what == what) return action.count;
@@ -48,6 +59,27 @@ TEST(RemeshWithSlivers, NeedlesOnASmoothSurfaceAreNoCreases) {
   const Report report = RemeshOrFail(WithNeedles(Icosphere(4), 0.02, 1), {});
   EXPECT_GT(report.quality.radius_ratio_p0_5, 0.5);
   EXPECT_GT(report.quality.radius_ratio_min, 0.25);
+}
+
+// Half of the caps lie in the region: what is beside it stays as it was.
+TEST(RemeshWithSlivers, MendsThoseOfARegionToo) {
+  const TriangleMesh input = CubeWithCaps(8, 1e-4);
+  const Box3 box{{-1.01, -1.01, -1.01}, {0.3, 1.01, 1.01}};
+  CollectingSink sink;
+  const auto report = Remesh({input, {}, Region{box}}, sink, Context{});
+  ASSERT_THAT(report, IsOk());
+  const uint64_t mended = CountOf(report->input.repairs, "flipped_caps");
+  EXPECT_GT(mended, 0u);
+  EXPECT_LT(mended, 16u);
+  EXPECT_TRUE(report->complete);
+  EXPECT_THAT(sink.mesh, IsClosedManifold());
+  std::set<std::array<Place, 3>> faces;
+  for (const Triangle& t : sink.mesh.triangles) faces.insert(CornersOf(sink.mesh, t));
+  for (const Triangle& t : input.triangles) {
+    const auto is_inside = [&](VertexId v) { return input.PositionAt(v).x <= box.max.x; };
+    if (std::all_of(t.begin(), t.end(), is_inside)) continue;
+    EXPECT_TRUE(faces.contains(CornersOf(input, t)));
+  }
 }
 
 TEST(RemeshWithSlivers, NothingIsMendedWhereNoneMayBe) {

@@ -24,7 +24,7 @@ using testing::ReadText;
 TriangleMesh Painted() {
   TriangleMesh mesh = testing::Textured(testing::OpenCylinder(1, 2, 12, 3), testing::AroundZ);
   mesh = testing::WithChannel(mesh, "NORMAL", 3, [](const Vec3& p, const Vec3&) {
-    const Vec3 n = Normalized(Vec3{p.x, p.y, 0});
+    const Vec3 n = (1 + 1e-4 * p.z) * Normalized(Vec3{p.x, p.y, 0});  // of unit length as files have it
     return std::vector<float>{static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)};
   });
   mesh = testing::WithChannel(mesh, "COLOR_0", 4, [](const Vec3& p, const Vec3&) {

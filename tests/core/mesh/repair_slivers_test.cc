@@ -101,6 +101,33 @@ TEST(MendSlivers, LeavesTheWallsOfAThinSheet) {
   EXPECT_LT(Deviation(input, sheet), 4e-4);
 }
 
+// Half of the cube is kept: the caps on its other side go alone, and each face of that half is there as it was.
+TEST(MendSlivers, LeavesWhatIsKept) {
+  const TriangleMesh input = CubeWithCaps(4, 1e-4);
+  TriangleMesh mesh = input;
+  std::vector<bool> kept;
+  for (uint32_t f = 0; f < mesh.triangles.size(); ++f) {
+    kept.push_back(false);
+    for (const VertexId v : mesh.triangles[f]) kept.back() = kept.back() || mesh.PositionAt(v).y > 0.1;
+    mesh.face_origins.push_back(f);
+  }
+  FaceAdjacency adjacency = CreateAdjacency(mesh);
+  const std::vector<bool> flags(3 * mesh.triangles.size(), true);
+  const SliverChanges changes = MendSlivers(mesh, adjacency, flags, 4e-4, kept);
+  EXPECT_GT(changes.flipped_caps, 0u);
+  EXPECT_LT(changes.flipped_caps, 8u);
+  EXPECT_THAT(mesh, IsClosedManifold());
+  size_t found = 0;
+  for (size_t f = 0; f < mesh.triangles.size(); ++f) {
+    const uint32_t origin = mesh.face_origins[f];
+    if (!kept[origin]) continue;
+    ++found;
+    for (int i = 0; i < 3; ++i)
+      EXPECT_EQ(mesh.PositionAt(mesh.triangles[f][i]), input.PositionAt(input.triangles[origin][i]));
+  }
+  EXPECT_EQ(found, static_cast<size_t>(std::count(kept.begin(), kept.end(), true)));
+}
+
 TEST(MendSlivers, ChangesNothingThatWasMended) {
   TriangleMesh mesh = CubeWithCaps(4, 1e-4);
   Mend(mesh, 4e-4);

@@ -1,0 +1,99 @@
+#include "core/prepared_input.h"
+
+#include <algorithm>
+#include <cstring>
+#include <numeric>
+#include <utility>
+
+#include "core/base/exceptions.h"
+#include "core/base/status_macros.h"
+#include "core/geometry/box.h"
+
+namespace meshfront {
+namespace {
+
+bool IsSameFace(const TriangleMesh& a, const Triangle& s, const TriangleMesh& b, const Triangle& t) {
+  for (int turn = 0; turn < 3; ++turn) {
+    bool same = true;
+    for (int i = 0; i < 3; ++i)
+      same = same && std::memcmp(&a.PositionAt(s[i]), &b.PositionAt(t[(i + turn) % 3]), sizeof(Vec3)) == 0;
+    if (same) return true;
+  }
+  return false;
+}
+
+uint64_t BytesOf(const TriangleMesh& mesh) {
+  return mesh.positions.size() * sizeof(Vec3) + mesh.triangles.size() * sizeof(Triangle) +
+         mesh.face_origins.size() * sizeof(uint32_t) + mesh.attributes.values.size() * sizeof(float) +
+         mesh.attributes.corners.size() * sizeof(CornerWedges) + mesh.attributes.groups.size() * sizeof(uint32_t);
+}
+
+}  // namespace
+
+absl::StatusOr<std::shared_ptr<const PreparedInput>> PreparedInput::Create(TriangleMesh mesh, bool repair,
+                                                                           const Context& context) try {
+  if (mesh.IsPointSet())
+    return absl::InvalidArgumentError("the input is a point set; only a part of a mesh can be remeshed alone");
+  MESHFRONT_RETURN_IF_ERROR(ValidateAttributes(mesh.attributes, mesh.triangles.size()));
+  auto prepared = std::shared_ptr<PreparedInput>(new PreparedInput());
+  prepared->repair_ = repair;
+  prepared->input_triangles_ = mesh.triangles.size();
+  mesh.face_origins.resize(mesh.triangles.size());
+  std::iota(mesh.face_origins.begin(), mesh.face_origins.end(), 0u);
+  if (repair) {
+    prepared->input_ = mesh;
+    MESHFRONT_ASSIGN_OR_RETURN(RepairResult repaired, RepairMeshAsOriented(std::move(mesh), context));
+    prepared->mesh_ = std::move(repaired.mesh);
+    prepared->adjacency_ = std::move(repaired.adjacency);
+    prepared->repairs_ = std::move(repaired.actions);
+    if (prepared->repairs_.empty()) prepared->input_.reset();
+  } else {
+    MESHFRONT_RETURN_IF_ERROR(RequireManifold(mesh));
+    prepared->adjacency_ = CreateAdjacency(mesh);
+    prepared->mesh_ = std::move(mesh);
+  }
+  prepared->topology_ = MeasureTopology(prepared->mesh_, prepared->adjacency_);
+  prepared->diagonal_ = BoundingBox(prepared->mesh_).Diagonal();
+  prepared->MeasureComponents();
+  if (prepared->input_) prepared->CompareWithInput();
+  return prepared;
+} catch (const std::exception&) {
+  return StatusOfException();
+}
+
+TriangleMesh PreparedInput::Input() const {
+  TriangleMesh mesh = input_ ? *input_ : mesh_;
+  mesh.face_origins.clear();
+  return mesh;
+}
+
+void PreparedInput::MeasureComponents() {
+  components_ = LabelComponents(adjacency_);
+  std::vector<Box3> boxes(components_.count);
+  for (size_t f = 0; f < mesh_.triangles.size(); ++f) {
+    for (const VertexId v : mesh_.triangles[f]) boxes[components_.label[f]].Extend(mesh_.PositionAt(v));
+  }
+  for (const Box3& box : boxes) component_diagonals_.push_back(box.Diagonal());
+}
+
+void PreparedInput::CompareWithInput() {
+  std::vector<bool> is_left(input_triangles_, false);
+  is_changed_.reserve(mesh_.triangles.size());
+  for (size_t f = 0; f < mesh_.triangles.size(); ++f) {
+    const uint32_t origin = mesh_.face_origins[f];
+    is_left[origin] = true;
+    is_changed_.push_back(!IsSameFace(*input_, input_->triangles[origin], mesh_, mesh_.triangles[f]));
+  }
+  changed_faces_ = std::count(is_changed_.begin(), is_changed_.end(), true);
+  for (uint32_t f = 0; f < is_left.size(); ++f) {
+    if (!is_left[f]) dropped_faces_.push_back(f);
+  }
+}
+
+uint64_t PreparedInput::bytes() const {
+  return sizeof(*this) + BytesOf(mesh_) + (input_ ? BytesOf(*input_) : 0) +
+         adjacency_.opposite.size() * sizeof(adjacency_.opposite[0]) + adjacency_.outgoing.size() * sizeof(uint32_t) +
+         components_.label.size() * sizeof(uint32_t) + is_changed_.size() / 8;
+}
+
+}  // namespace meshfront
