@@ -10,6 +10,8 @@
 #include "core/features/rim_loops.h"
 #include "core/mesh/point_repair.h"
 #include "core/preparation_steps.h"
+#include "core/surface/implicit_mls_surface.h"
+#include "core/surface/mls_surface.h"
 
 namespace meshfront {
 namespace {
@@ -22,8 +24,6 @@ absl::Status CheckKind(const Problem& problem) {
     return absl::InvalidArgumentError(absl::StrCat("options.surface is mesh; the input is a point set of ",
                                                    problem.mesh.positions.size(), " points and no triangles"));
   }
-  if (kind == SurfaceKind::kMls)
-    return absl::InvalidArgumentError("options.surface is mls; projection MLS is not yet built, imls is");
   if (!problem.mesh.IsPointSet()) {
     return absl::InvalidArgumentError(
         "options.surface is imls and the input has triangles; meshes as point sets are not yet built");
@@ -58,7 +58,7 @@ absl::StatusOr<Preparation> PreparePoints(Problem problem, const Context& contex
   const RemeshOptions options = problem.options;
   Preparation p;
   p.parameters.options = options;
-  p.parameters.options.surface = SurfaceKind::kImls;
+  if (options.surface != SurfaceKind::kMls) p.parameters.options.surface = SurfaceKind::kImls;
   p.input.is_point_set = true;
   Stopwatch watch;
   context.Report({Stage::kRepair});
@@ -91,7 +91,10 @@ absl::StatusOr<Preparation> PreparePoints(Problem problem, const Context& contex
   p.input.topology.components = samples->component_count();
   points = {};
   MESHFRONT_RETURN_IF_ERROR(SetClamps(options, ComponentDiagonals(*samples), p));
-  p.points = std::make_unique<ImplicitMlsSurface>(std::move(samples));
+  if (options.surface == SurfaceKind::kMls)
+    p.points = std::make_unique<MlsSurface>(std::move(samples));
+  else
+    p.points = std::make_unique<ImplicitMlsSurface>(std::move(samples));
   p.seconds.index = watch.Lap();
 
   context.Report({Stage::kCurvature});
