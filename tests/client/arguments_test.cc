@@ -156,7 +156,8 @@ TEST(MeshingFlags, FacesAreNumbersOneALine) {
 }
 
 TEST(MeshingFlags, SayNotYetInsteadOfIgnoring) {
-  const std::vector<MeshingFlags> not_built = {{.features = "f.obj"}, {.seed_points = {"0,0,0"}}};
+  const std::vector<MeshingFlags> not_built = {
+      {.features = "f.obj"}, {.seed_points = {"0,0,0"}}, {.region = "sphere:0,0,0,1", .surface = "imls"}};
   for (const MeshingFlags& flags : not_built) EXPECT_THAT(Parse(flags), StatusIs(kInvalid, "not yet"));
 }
 

@@ -134,12 +134,10 @@ TEST(RemeshPoints, GivesTheSameBitsAtAnyNumberOfThreads) {
   EXPECT_EQ(one.mesh().triangles, three.mesh().triangles);
 }
 
-TEST(RemeshPoints, SaysWhatIsNotBuilt) {
-  const TriangleMesh mesh = Icosphere(2), points = Sampled(mesh, 500);
+TEST(RemeshPoints, SaysWhatItCanNotTake) {
+  const TriangleMesh points = Sampled(Icosphere(2), 500);
   CheckingSink sink;
   RemeshOptions options;
-  options.surface = SurfaceKind::kImls;
-  EXPECT_THAT(RemeshPoints(mesh, options, sink), StatusIs(absl::StatusCode::kInvalidArgument, "not yet"));
   options.surface = SurfaceKind::kMesh;
   EXPECT_THAT(RemeshPoints(points, options, sink), StatusIs(absl::StatusCode::kInvalidArgument, "no triangles"));
   options.surface = SurfaceKind::kAuto, options.mls_radius = 1;
