@@ -3,7 +3,7 @@
 #include "core/mesh/surface_samples.h"
 
 #include <array>
-#include <cmath>
+#include <utility>
 
 #include "core/geometry/triangle.h"
 
@@ -30,9 +30,10 @@ class Lattice {
 
 struct Sampler {
   const std::function<double(const Vec3&)>& spacing;
-  TriangleMesh points;
+  FaceSamples samples;
   Lattice lattice;
   double owed = 0.5;
+  uint32_t face = 0;
 
   void Visit(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& normal, int halvings) {
     const double s = spacing((a + b + c) / 3.0), wanted = TriangleArea(a, b, c) / (s * s);
@@ -48,22 +49,25 @@ struct Sampler {
     for (; owed >= 1; owed -= 1) {
       auto [u, v] = lattice.Next();
       if (u + v > 1) u = 1 - u, v = 1 - v;
-      points.positions.push_back(a + u * (b - a) + v * (c - a));
-      points.normals.push_back(normal);
+      samples.points.positions.push_back(a + u * (b - a) + v * (c - a));
+      samples.points.normals.push_back(normal);
+      samples.faces.push_back(face);
     }
   }
 };
 
 }  // namespace
 
-TriangleMesh SampleFaces(const TriangleMesh& mesh, const std::function<double(const Vec3&)>& spacing) {
+FaceSamples SampleFaces(const TriangleMesh& mesh, const std::function<double(const Vec3&)>& spacing) {
   Sampler sampler{spacing, {}, {}};
-  for (const Triangle& t : mesh.triangles) {
+  for (uint32_t f = 0; f < mesh.triangles.size(); ++f) {
+    const Triangle& t = mesh.triangles[f];
+    sampler.face = f;
     const Vec3 &a = mesh.PositionAt(t[0]), &b = mesh.PositionAt(t[1]), &c = mesh.PositionAt(t[2]);
     const Vec3 area = AreaVector(a, b, c);
     if (SquaredNorm(area) > 0) sampler.Visit(a, b, c, Normalized(area), 0);
   }
-  return std::move(sampler.points);
+  return std::move(sampler.samples);
 }
 
 }  // namespace meshfront

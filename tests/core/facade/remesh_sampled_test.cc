@@ -57,6 +57,21 @@ TEST(RemeshSampled, HealsFlippedMissingAndDoubledFaces) {
   for (const Vec3& x : sink.mesh().positions) EXPECT_NEAR(Norm(x), 1, 0.03);
 }
 
+// Two balls and, inside of one of them, a third, which meets nothing and stays.
+TEST(RemeshSampled, MakesOneOfPartsThatOverlap) {
+  const TriangleMesh two = Joined(Icosphere(3), Moved(Icosphere(3), {1, 0.13, 0.07}));
+  RemeshOptions options = Sampled(SurfaceKind::kImls);
+  options.sizing = Sizing::kUniform, options.edge_length = Length{0.2, false};
+  CheckingSink sink;
+  const auto report = Remesh({Joined(two, Moved(Icosphere(2, 0.2), {-0.5, 0, 0})), options}, sink, Context{});
+  ASSERT_THAT(report, IsOk());
+  EXPECT_EQ(report->input.topology.components, 3u);
+  EXPECT_THAT(sink.mesh(), IsClosedManifold());
+  EXPECT_THAT(sink.mesh(), HasComponents(2));
+  EXPECT_THAT(sink.mesh(), HasNoSelfIntersection());
+  EXPECT_EQ(report->input.repairs[0].what, "dropped_inner_points");
+}
+
 TEST(RemeshSampled, SaysWhatItDid) {
   TriangleMesh mesh = Textured(Torus(1, 0.4, 40, 16), AroundZ);
   CheckingSink sink;
