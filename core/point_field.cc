@@ -36,7 +36,7 @@ double LargestParameter(const SizingLimits& limits) {
 
 }  // namespace
 
-PointFieldBuilder::PointFieldBuilder(const ImplicitMlsSurface& surface, absl::Span<const RimCurve> rims,
+PointFieldBuilder::PointFieldBuilder(const PointSurface& surface, absl::Span<const RimCurve> rims,
                                      const SizingLimits& limits)
     : surface_(surface), rims_(rims), limits_(limits), longest_(surface.samples().component_count(), kInfinity) {
   for (const double area : surface.samples().areas()) area_ += area;

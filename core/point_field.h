@@ -10,15 +10,15 @@
 #include "core/base/context.h"
 #include "core/field_builder.h"
 #include "core/guidance/guidance_field.h"
-#include "core/surface/implicit_mls_surface.h"
 #include "core/surface/mls_rims.h"
+#include "core/surface/point_surface.h"
 
 namespace meshfront {
 
 // Not thread-safe. `surface` must have its curvatures, and both outlive the builder.
 class PointFieldBuilder {
  public:
-  PointFieldBuilder(const ImplicitMlsSurface& surface, absl::Span<const RimCurve> rims, const SizingLimits& limits);
+  PointFieldBuilder(const PointSurface& surface, absl::Span<const RimCurve> rims, const SizingLimits& limits);
 
   // As FieldBuilder's, with the same errors.
   absl::StatusOr<SizedField> Build(double parameter, const Context& context);
@@ -38,7 +38,7 @@ class PointFieldBuilder {
   absl::Status MeasureThickness(double parameter, const Context& context);
   absl::StatusOr<double> Count(const GuidanceField& field, const Context& context) const;
 
-  const ImplicitMlsSurface& surface_;
+  const PointSurface& surface_;
   const absl::Span<const RimCurve> rims_;
   const SizingLimits limits_;
   std::vector<double> longest_;          // of each component

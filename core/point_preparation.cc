@@ -1,4 +1,4 @@
-// 1. CheckKind    2. repair: what is no sample goes, and normals that are missing are estimated    3. the surface,
+// 1. CheckKind; a mesh is sampled    2. repair: what is no sample goes, and normals that are missing are estimated 3. the surface,
 // scaled as meshes are 4. the field    5. a seed in each connected part
 #include "core/point_preparation.h"
 
@@ -10,6 +10,9 @@
 #include "core/features/rim_loops.h"
 #include "core/mesh/point_repair.h"
 #include "core/preparation_steps.h"
+#include "core/sampled_mesh.h"
+#include "core/surface/implicit_mls_surface.h"
+#include "core/surface/mls_surface.h"
 
 namespace meshfront {
 namespace {
@@ -22,11 +25,10 @@ absl::Status CheckKind(const Problem& problem) {
     return absl::InvalidArgumentError(absl::StrCat("options.surface is mesh; the input is a point set of ",
                                                    problem.mesh.positions.size(), " points and no triangles"));
   }
-  if (kind == SurfaceKind::kMls)
-    return absl::InvalidArgumentError("options.surface is mls; projection MLS is not yet built, imls is");
-  if (!problem.mesh.IsPointSet()) {
-    return absl::InvalidArgumentError(
-        "options.surface is imls and the input has triangles; meshes as point sets are not yet built");
+  if (problem.region && !problem.mesh.IsPointSet()) {
+    return absl::InvalidArgumentError(absl::StrCat("options.region is set and options.surface is ",
+                                                   kind == SurfaceKind::kMls ? "mls" : "imls",
+                                                   "; a part of a mesh can not yet be remeshed as a point set"));
   }
   if (problem.region) {
     return absl::InvalidArgumentError(
@@ -58,12 +60,19 @@ absl::StatusOr<Preparation> PreparePoints(Problem problem, const Context& contex
   const RemeshOptions options = problem.options;
   Preparation p;
   p.parameters.options = options;
-  p.parameters.options.surface = SurfaceKind::kImls;
-  p.input.is_point_set = true;
+  if (options.surface != SurfaceKind::kMls) p.parameters.options.surface = SurfaceKind::kImls;
+  p.input.is_point_set = problem.mesh.IsPointSet();
   Stopwatch watch;
   context.Report({Stage::kRepair});
-  MESHFRONT_ASSIGN_OR_RETURN(PointRepair repaired, RepairPoints(std::move(problem.mesh), options.repair, context));
-  p.input.repairs = std::move(repaired.actions);
+  if (!p.input.is_point_set) {
+    MESHFRONT_ASSIGN_OR_RETURN(SampledMesh sampled, SampleAsPoints(std::move(problem), context));
+    problem.mesh = std::move(sampled.points);
+    p.input = std::move(sampled.input);
+    p.warnings = std::move(sampled.warnings);
+  }
+  const bool may_change = options.repair || !p.input.is_point_set;
+  MESHFRONT_ASSIGN_OR_RETURN(PointRepair repaired, RepairPoints(std::move(problem.mesh), may_change, context));
+  p.input.repairs.insert(p.input.repairs.end(), repaired.actions.begin(), repaired.actions.end());
   if (repaired.undecided_pairs > 0) {
     p.warnings.push_back(absl::StrCat("normals were estimated; at ", repaired.undecided_pairs,
                                       " pairs of neighbours it is not clear which side of the surface is outside"));
@@ -87,11 +96,16 @@ absl::StatusOr<Preparation> PreparePoints(Problem problem, const Context& contex
                                                       " of them lie beside each other with normals that agree"));
   }
   if (samples->stray_count() > 0) p.input.repairs.push_back({"ignored_stray_points", samples->stray_count()});
-  p.input.topology.vertices = points.positions.size() - samples->stray_count();
-  p.input.topology.components = samples->component_count();
+  if (p.input.is_point_set) {
+    p.input.topology.vertices = points.positions.size() - samples->stray_count();
+    p.input.topology.components = samples->component_count();
+  }
   points = {};
   MESHFRONT_RETURN_IF_ERROR(SetClamps(options, ComponentDiagonals(*samples), p));
-  p.points = std::make_unique<ImplicitMlsSurface>(std::move(samples));
+  if (options.surface == SurfaceKind::kMls)
+    p.points = std::make_unique<MlsSurface>(std::move(samples));
+  else
+    p.points = std::make_unique<ImplicitMlsSurface>(std::move(samples));
   p.seconds.index = watch.Lap();
 
   context.Report({Stage::kCurvature});
@@ -100,7 +114,7 @@ absl::StatusOr<Preparation> PreparePoints(Problem problem, const Context& contex
 
   MESHFRONT_ASSIGN_OR_RETURN(RimCurves rims, TraceRims(*p.points, context));
   p.rims = std::move(rims.curves);
-  p.input.topology.boundary_loops = p.rims.size();
+  if (p.input.is_point_set) p.input.topology.boundary_loops = p.rims.size();
   if (rims.lost > 0) {
     p.warnings.push_back(absl::StrCat("at ", rims.lost,
                                       " places where the points end the rim of the surface could not ", "be followed"));

@@ -13,10 +13,10 @@
 #include "core/point_field.h"
 #include "core/region_parts.h"
 #include "core/remesh.h"
-#include "core/surface/implicit_mls_surface.h"
 #include "core/surface/mesh_surface.h"
 #include "core/surface/mls_rims.h"
 #include "core/surface/oriented_loop.h"
+#include "core/surface/point_surface.h"
 
 namespace meshfront {
 
@@ -29,7 +29,7 @@ struct Preparation {
   MeshAttributes attributes;               // of the surface's faces
   bool has_flat_normals = false;           // the attribute's are those of flat faces
   std::unique_ptr<FieldBuilder> builder;
-  std::unique_ptr<ImplicitMlsSurface> points;  // of a point set; null for a mesh
+  std::unique_ptr<PointSurface> points;  // of a point set; null for a mesh
   std::unique_ptr<PointFieldBuilder> point_builder;
   std::vector<RimCurve> rims;  // of the point set
   std::optional<GuidanceField> field;

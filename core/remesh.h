@@ -24,7 +24,7 @@ namespace meshfront {
 enum class Sizing { kAngle, kError, kUniform, kThickness };
 
 // How the input is understood: as it is; as a mesh; or, which makes a point set of a mesh, by a moving-least-squares surface, the one
-// that projects on fitted polynomials (not yet) or the implicit one.
+// that projects on fitted polynomials or the implicit one.
 enum class SurfaceKind { kAuto, kMesh, kMls, kImls };
 
 // A length, absolute (in the units of the input) or relative to the diagonal of its bounding box.

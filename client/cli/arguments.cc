@@ -204,8 +204,9 @@ absl::Status CheckSizingFlags(const MeshingFlags& flags, v1::Sizing sizing) {
 
 absl::Status CheckBuilt(const MeshingFlags& flags) {
   if (flags.features) return NotYet("--features");
-  if (flags.surface == "mls") return NotYet("--surface mls");
   if (!flags.seed_points.empty()) return NotYet("--seed-point");
+  if (flags.region && (flags.surface == "mls" || flags.surface == "imls"))
+    return NotYet(absl::StrCat("--region with --surface ", *flags.surface));
   return absl::OkStatus();
 }
 
@@ -293,6 +294,7 @@ absl::StatusOr<v1::RemeshOptions> ParseMeshingFlags(const MeshingFlags& flags) {
   }
   if (flags.attributes == "drop") options.set_attributes(v1::ATTRIBUTE_POLICY_DROP);
   if (flags.surface == "mesh") options.set_surface(v1::SURFACE_TYPE_MESH);
+  if (flags.surface == "mls") options.set_surface(v1::SURFACE_TYPE_MLS);
   if (flags.surface == "imls") options.set_surface(v1::SURFACE_TYPE_IMLS);
   if (flags.mls_radius) {
     MESHFRONT_ASSIGN_OR_RETURN(const double radius, ParseNumber("--mls-radius", *flags.mls_radius, kMlsRadius));

@@ -42,6 +42,13 @@ Json LengthJson(bool has, const v1::Length& length) {
   return length.absolute();
 }
 
+bool IsOfPoints(v1::SurfaceType surface) { return surface == v1::SURFACE_TYPE_IMLS || surface == v1::SURFACE_TYPE_MLS; }
+
+const char* SurfaceName(v1::SurfaceType surface) {
+  if (surface == v1::SURFACE_TYPE_MLS) return "mls";
+  return surface == v1::SURFACE_TYPE_IMLS ? "imls" : "mesh";
+}
+
 Json ParametersJson(const v1::ParametersInForce& parameters) {
   const v1::RemeshOptions& o = parameters.options();
   return {{"rho", o.has_rho() ? Json(o.rho()) : Json(nullptr)},
@@ -61,8 +68,8 @@ Json ParametersJson(const v1::ParametersInForce& parameters) {
           {"crease_angle",
            o.crease().rule_case() == v1::Crease::kAngleDegrees ? Json(o.crease().angle_degrees()) : Json("off")},
           {"attributes", o.attributes() == v1::ATTRIBUTE_POLICY_KEEP ? "keep" : "drop"},
-          {"surface", o.surface() == v1::SURFACE_TYPE_IMLS ? "imls" : "mesh"},
-          {"mls_radius", o.surface() == v1::SURFACE_TYPE_IMLS ? Json(o.mls_radius()) : Json(nullptr)},
+          {"surface", SurfaceName(o.surface())},
+          {"mls_radius", IsOfPoints(o.surface()) ? Json(o.mls_radius()) : Json(nullptr)},
           {"blend", o.blend()}};
 }
 

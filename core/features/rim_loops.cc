@@ -10,7 +10,7 @@ namespace {
 
 constexpr size_t kFewestPoints = 3;
 
-OrientedLoop Resample(const ImplicitMlsSurface& surface, const RimCurve& curve, const GuidanceField& field) {
+OrientedLoop Resample(const PointSurface& surface, const RimCurve& curve, const GuidanceField& field) {
   const size_t n = curve.places.size();
   std::vector<double> summed = {0};
   for (size_t i = 0; i < n; ++i) {
@@ -34,7 +34,7 @@ OrientedLoop Resample(const ImplicitMlsSurface& surface, const RimCurve& curve, 
 
 }  // namespace
 
-std::vector<OrientedLoop> RimLoops(const ImplicitMlsSurface& surface, absl::Span<const RimCurve> curves,
+std::vector<OrientedLoop> RimLoops(const PointSurface& surface, absl::Span<const RimCurve> curves,
                                    const GuidanceField& field) {
   std::vector<OrientedLoop> loops;
   for (const RimCurve& curve : curves) loops.push_back(Resample(surface, curve, field));

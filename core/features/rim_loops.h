@@ -12,7 +12,7 @@
 namespace meshfront {
 
 // Edges of about g, at least three a loop; every point lies on the rim.
-std::vector<OrientedLoop> RimLoops(const ImplicitMlsSurface& surface, absl::Span<const RimCurve> curves,
+std::vector<OrientedLoop> RimLoops(const PointSurface& surface, absl::Span<const RimCurve> curves,
                                    const GuidanceField& field);
 
 }  // namespace meshfront

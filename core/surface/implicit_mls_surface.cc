@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "core/base/status_macros.h"
@@ -97,23 +96,6 @@ double ImplicitMlsSurface::AsymmetryAt(uint32_t sample) const {
 SourcePoint ImplicitMlsSurface::AtSample(uint32_t sample) const {
   const MlsSample& s = samples_->samples()[sample];
   return Descend(s.position, s.normal, samples_->PatchOf(sample));
-}
-
-std::vector<SourcePoint> ImplicitMlsSurface::Seeds() const {
-  std::vector<double> least(samples_->component_count(), std::numeric_limits<double>::infinity());
-  std::vector<uint32_t> best(samples_->component_count(), 0);
-  for (uint32_t i = 0; i < samples_->samples().size(); ++i) {
-    const uint32_t component = samples_->ComponentOf(i);
-    if (component == MlsSamples::kStray) continue;
-    // Cheap first: most samples are bent more than the best.
-    const double bent = (i < curvatures_.size() ? curvatures_[i] : 0) * samples_->samples()[i].support;
-    if (bent >= least[component]) continue;
-    const double cost = bent + AsymmetryAt(i);
-    if (cost < least[component]) least[component] = cost, best[component] = i;
-  }
-  std::vector<SourcePoint> seeds;
-  for (const uint32_t i : best) seeds.push_back(AtSample(i));
-  return seeds;
 }
 
 // Newton's method for f along its gradient. Far from all samples it begins at the nearest one.

@@ -37,9 +37,9 @@ struct Frame {
 };
 
 // The frame at a place, which may be off both zero sets; nothing where the samples lie evenly around.
-std::optional<Frame> FrameAt(const ImplicitMlsSurface& surface, SourcePoint at, Vec3* correction) {
+std::optional<Frame> FrameAt(const PointSurface& surface, SourcePoint at, Vec3* correction) {
   at.patch = surface.samples().PatchNear(at.position, at.normal, at.patch);
-  const MlsValue<1> value = surface.Evaluate<1>(at.position, at.patch);
+  const MlsValue<1> value = surface.ValueAt(at.position, at.patch);
   const Vec3 gradient = value.f.Gradient();
   const double slope2 = SquaredNorm(gradient);
   if (value.support == 0 || !(slope2 > 0)) return std::nullopt;
@@ -62,7 +62,7 @@ std::optional<Frame> FrameAt(const ImplicitMlsSurface& surface, SourcePoint at, 
   return frame;
 }
 
-std::optional<Frame> Correct(const ImplicitMlsSurface& surface, SourcePoint at) {
+std::optional<Frame> Correct(const PointSurface& surface, SourcePoint at) {
   for (int i = 0; i < kCorrections; ++i) {
     Vec3 correction;
     const std::optional<Frame> frame = FrameAt(surface, at, &correction);
@@ -79,12 +79,12 @@ std::optional<Frame> Correct(const ImplicitMlsSurface& surface, SourcePoint at) 
 }
 
 // From a sample along the growing asymmetry, over the surface.
-std::optional<Frame> GoOutward(const ImplicitMlsSurface& surface, uint32_t sample) {
+std::optional<Frame> GoOutward(const PointSurface& surface, uint32_t sample) {
   SourcePoint at = surface.AtSample(sample);
   for (int step = 0; step < kOutwardSteps; ++step) {
     const std::optional<Frame> frame = FrameAt(surface, at, nullptr);
     if (!frame) return std::nullopt;
-    if (surface.Evaluate<1>(at.position, frame->at.patch).asymmetry2.value() >= kOutside * kOutside)
+    if (surface.ValueAt(at.position, frame->at.patch).asymmetry2.value() >= kOutside * kOutside)
       return Correct(surface, frame->at);
     at = surface.Snap(frame->at, at.position + 0.5 * kStep * frame->support * frame->outward);
   }
@@ -92,8 +92,7 @@ std::optional<Frame> GoOutward(const ImplicitMlsSurface& surface, uint32_t sampl
 }
 
 // Until it comes back to where it began. False where it is lost.
-absl::StatusOr<bool> Follow(const ImplicitMlsSurface& surface, const Frame& start, RimCurve& curve,
-                            const Context& context) {
+absl::StatusOr<bool> Follow(const PointSurface& surface, const Frame& start, RimCurve& curve, const Context& context) {
   Frame at = start;
   curve.places.push_back(at.at);
   for (size_t step = 1; step < kMaxSteps; ++step) {
@@ -128,7 +127,7 @@ void Measure(RimCurve& curve) {
   }
 }
 
-absl::StatusOr<std::vector<bool>> FindBeside(const ImplicitMlsSurface& surface, const Context& context) {
+absl::StatusOr<std::vector<bool>> FindBeside(const PointSurface& surface, const Context& context) {
   const size_t n = surface.samples().samples().size();
   std::vector<uint8_t> beside(n, 0);
   MESHFRONT_RETURN_IF_ERROR(ParallelFor(n, kGrain, context, [&](size_t begin, size_t end) {
@@ -143,13 +142,13 @@ absl::StatusOr<std::vector<bool>> FindBeside(const ImplicitMlsSurface& surface, 
 
 }  // namespace
 
-std::optional<SourcePoint> FindRimPlace(const ImplicitMlsSurface& surface, const SourcePoint& near) {
+std::optional<SourcePoint> FindRimPlace(const PointSurface& surface, const SourcePoint& near) {
   const std::optional<Frame> found = Correct(surface, near);
   if (!found) return std::nullopt;
   return found->at;
 }
 
-absl::StatusOr<RimCurves> TraceRims(const ImplicitMlsSurface& surface, const Context& context) {
+absl::StatusOr<RimCurves> TraceRims(const PointSurface& surface, const Context& context) {
   MESHFRONT_ASSIGN_OR_RETURN(const std::vector<bool> beside, FindBeside(surface, context));
   const MlsSamples& samples = surface.samples();
   RimCurves result;

@@ -5,7 +5,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/base/context.h"
-#include "core/surface/implicit_mls_surface.h"
+#include "core/surface/point_surface.h"
 
 namespace meshfront {
 
@@ -24,9 +24,9 @@ struct RimCurves {
 };
 
 // All rims, by the first sample beside each. About 20 µs a step of the curves, and 1 µs a sample.
-absl::StatusOr<RimCurves> TraceRims(const ImplicitMlsSurface& surface, const Context& context);
+absl::StatusOr<RimCurves> TraceRims(const PointSurface& surface, const Context& context);
 
 // The place of the surface's rim next to a place near it; nothing where it is not found.
-std::optional<SourcePoint> FindRimPlace(const ImplicitMlsSurface& surface, const SourcePoint& near);
+std::optional<SourcePoint> FindRimPlace(const PointSurface& surface, const SourcePoint& near);
 
 }  // namespace meshfront

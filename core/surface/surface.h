@@ -46,7 +46,7 @@ struct WayPiece {
 // Whether two ways cross inside a patch that both pass. Ways that only touch, or run along each other, don't.
 bool WaysCross(absl::Span<const WayPiece> way, absl::Span<const WayPiece> other);
 
-// Implemented by: MeshSurface (later: the MLS surfaces). Called by: the front, its closure and its settling window.
+// Implemented by: MeshSurface, ImplicitMlsSurface, MlsSurface. Called by: the front, its closure and its settling window.
 // Immutable after construction, safe to read from many threads, deterministic. No call leaves the connected sheet that its
 // starting points lie on: the other side of a thin plate is never reached.
 class Surface {

@@ -85,4 +85,15 @@ inline constexpr int kFarLattice = 4;
 // The data end where the centroid of what has a say lies this part of the support beside the place: at a straight end it is 0.235, among
 // samples at random the chance of 0.35 is below 1e-9.
 inline constexpr double kOutside = 0.35;
+// Of the plane of a polynomial fit: steps of Newton's method, the last and the longest one (radians, or parts of the support); how far it
+// may lie from the place, in supports (beyond 0.4 weights fall faster than distances grow); and the determinant of a plane that is none.
+inline constexpr int kMaxPlaneSteps = 8;
+inline constexpr double kLastPlaneStep = 1e-3, kLongestPlaneStep = 0.5, kMostPlaneOffset = 0.35,
+                        kLeastPlaneMinor = 1e-9;
+// More samples than a polynomial has terms, and the least pivot of its normal equations in parts of the sum of weights.
+inline constexpr int kSpareMlsSamples = 2;
+inline constexpr double kLeastTermPivot = 1e-7;
+// The last step to the surface of such fits in parts of the support, whose rest is about its square by the curvature, and the last one
+// on the circle of an apex, radians.
+inline constexpr double kLastFitStep = 2e-3, kLastFitAngle = 1e-4;
 }  // namespace meshfront::surface_tolerances

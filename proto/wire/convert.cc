@@ -27,14 +27,15 @@ absl::Status NotYet(absl::string_view path) {
   return absl::InvalidArgumentError(absl::StrCat(path, " is not supported yet"));
 }
 
-// Fields that are refused whatever their value is, and values of the others that are.
+// Fields that are refused whatever their value is, and values that are beside others.
 absl::Status RefuseNotYet(const v1::RemeshOptions& o) {
   std::vector<const FieldDescriptor*> set;
   o.GetReflection()->ListFields(o, &set);
   for (const FieldDescriptor* field : set) {
     if (IsNotYet(field->name())) return NotYet(absl::StrCat("options.", field->name()));
   }
-  if (o.surface() == v1::SURFACE_TYPE_MLS) return NotYet("options.surface SURFACE_TYPE_MLS");
+  if (o.has_region() && (o.surface() == v1::SURFACE_TYPE_MLS || o.surface() == v1::SURFACE_TYPE_IMLS))
+    return NotYet(absl::StrCat("options.region with options.surface ", v1::SurfaceType_Name(o.surface())));
   return absl::OkStatus();
 }
 

@@ -118,6 +118,7 @@ TEST(MeshingFlags, CarryTheSurfaceOfAPointSet) {
   ASSERT_THAT(options, IsOk());
   EXPECT_EQ(options->surface(), v1::SURFACE_TYPE_IMLS);
   EXPECT_EQ(options->mls_radius(), 3.5);
+  EXPECT_EQ(ParseMeshingFlags({.surface = "mls"})->surface(), v1::SURFACE_TYPE_MLS);
 }
 
 TEST(MeshingFlags, ACreaseAngleIsDegrees) {
@@ -155,7 +156,8 @@ TEST(MeshingFlags, FacesAreNumbersOneALine) {
 }
 
 TEST(MeshingFlags, SayNotYetInsteadOfIgnoring) {
-  const std::vector<MeshingFlags> not_built = {{.features = "f.obj"}, {.surface = "mls"}, {.seed_points = {"0,0,0"}}};
+  const std::vector<MeshingFlags> not_built = {
+      {.features = "f.obj"}, {.seed_points = {"0,0,0"}}, {.region = "sphere:0,0,0,1", .surface = "imls"}};
   for (const MeshingFlags& flags : not_built) EXPECT_THAT(Parse(flags), StatusIs(kInvalid, "not yet"));
 }
 

@@ -86,6 +86,9 @@ TEST(OptionsFromProto, CarriesTheSurfaceOfAPointSetBothWays) {
   EXPECT_EQ(options->surface, SurfaceKind::kImls);
   EXPECT_EQ(OptionsToProto(*options).surface(), v1::SURFACE_TYPE_IMLS);
   EXPECT_EQ(OptionsToProto(*options).mls_radius(), 3);
+  proto.set_surface(v1::SURFACE_TYPE_MLS);
+  EXPECT_EQ(OptionsFromProto(proto)->surface, SurfaceKind::kMls);
+  EXPECT_EQ(OptionsToProto(*OptionsFromProto(proto)).surface(), v1::SURFACE_TYPE_MLS);
   proto.set_mls_radius(17);
   EXPECT_EQ(OptionsFromProto(proto).status().code(), absl::StatusCode::kInvalidArgument);
 }
@@ -93,7 +96,7 @@ TEST(OptionsFromProto, CarriesTheSurfaceOfAPointSetBothWays) {
 TEST(OptionsFromProto, RefusesWhatIsNotBuiltYetByItsPath) {
   std::vector<v1::RemeshOptions> cases(2);
   cases[0].mutable_features()->set_point_count(1);
-  cases[1].set_surface(v1::SURFACE_TYPE_MLS);
+  cases[1].mutable_region()->mutable_box(), cases[1].set_surface(v1::SURFACE_TYPE_MLS);
   for (const v1::RemeshOptions& proto : cases) {
     const absl::Status status = OptionsFromProto(proto).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << proto.DebugString();

@@ -42,6 +42,26 @@ TEST(RemeshPoints, MakesClosedSurfacesOfTheRightGenus) {
   }
 }
 
+TEST(RemeshPoints, TakesTheOriginalSurfaceAsWell) {
+  RemeshOptions options;
+  options.surface = SurfaceKind::kMls, options.rho = 1.2;
+  const std::vector<Case> cases = {{Torus(1, 0.4, 60, 24), 1}, {Cube(8), 0}};
+  for (size_t i = 0; i < cases.size(); ++i) {
+    CheckingSink sink;
+    const auto report = RemeshPoints(Sampled(cases[i].mesh, 2500), options, sink);
+    ASSERT_THAT(report, IsOk()) << i;
+    EXPECT_TRUE(report->complete) << i;
+    EXPECT_EQ(report->parameters.options.surface, SurfaceKind::kMls);
+    EXPECT_THAT(sink.mesh(), IsClosedManifold()) << i;
+    EXPECT_EQ(report->output.genus, cases[i].genus) << i;
+    EXPECT_THAT(sink.mesh(), HasNoSelfIntersection()) << i;
+    EXPECT_GE(report->quality.radius_ratio_p0_5, 0.75) << i;
+  }
+  CheckingSink open;
+  ASSERT_THAT(RemeshPoints(Sampled(DiskWithHoles(60, 3), 6000), options, open), IsOk());
+  EXPECT_THAT(open.mesh(), HasBoundaryLoops(4));
+}
+
 TEST(RemeshPoints, FindsEveryPart) {
   CheckingSink sink;
   const auto report = RemeshPoints(Sampled(TwoSpheres(4), 8000), {}, sink);
@@ -114,14 +134,10 @@ TEST(RemeshPoints, GivesTheSameBitsAtAnyNumberOfThreads) {
   EXPECT_EQ(one.mesh().triangles, three.mesh().triangles);
 }
 
-TEST(RemeshPoints, SaysWhatIsNotBuilt) {
-  const TriangleMesh mesh = Icosphere(2), points = Sampled(mesh, 500);
+TEST(RemeshPoints, SaysWhatItCanNotTake) {
+  const TriangleMesh points = Sampled(Icosphere(2), 500);
   CheckingSink sink;
   RemeshOptions options;
-  options.surface = SurfaceKind::kMls;
-  EXPECT_THAT(RemeshPoints(points, options, sink), StatusIs(absl::StatusCode::kInvalidArgument, "not yet"));
-  options.surface = SurfaceKind::kImls;
-  EXPECT_THAT(RemeshPoints(mesh, options, sink), StatusIs(absl::StatusCode::kInvalidArgument, "not yet"));
   options.surface = SurfaceKind::kMesh;
   EXPECT_THAT(RemeshPoints(points, options, sink), StatusIs(absl::StatusCode::kInvalidArgument, "no triangles"));
   options.surface = SurfaceKind::kAuto, options.mls_radius = 1;
