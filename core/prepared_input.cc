@@ -33,7 +33,7 @@ uint64_t BytesOf(const TriangleMesh& mesh) {
 absl::StatusOr<std::shared_ptr<const PreparedInput>> PreparedInput::Create(TriangleMesh mesh, bool repair,
                                                                            const Context& context) try {
   if (mesh.IsPointSet())
-    return absl::InvalidArgumentError("the input is a point set; only a part of a mesh can be remeshed alone");
+    return absl::InvalidArgumentError("the input is a point set; what is kept, or remeshed in part, must be a mesh");
   MESHFRONT_RETURN_IF_ERROR(ValidateAttributes(mesh.attributes, mesh.triangles.size()));
   auto prepared = std::shared_ptr<PreparedInput>(new PreparedInput());
   prepared->repair_ = repair;

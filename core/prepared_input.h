@@ -21,8 +21,8 @@ namespace meshfront {
 //   MESHFRONT_ASSIGN_OR_RETURN(Report first, Remesh({{}, options, region, prepared}, sink, context));
 class PreparedInput {
  public:
-  // Repairs the mesh, but leaves slivers (mended with the region) and the direction of components alone; where `repair` is false it refuses what would need it.
-  // Errors of RepairMesh and RequireManifold; InvalidArgument for a point set. Stops with the context.
+  // Repairs the mesh, but leaves slivers (which are mended with the region) and the direction of components alone; where `repair` is
+  // false it refuses what would need it. Errors of RepairMesh and RequireManifold; InvalidArgument for a point set. Stops with the context.
   static absl::StatusOr<std::shared_ptr<const PreparedInput>> Create(TriangleMesh mesh, bool repair,
                                                                      const Context& context);
 

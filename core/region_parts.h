@@ -41,8 +41,8 @@ struct RegionParts {
   const TriangleMesh& whole() const { return input->mesh(); }
 };
 
-// Takes the surroundings out of the whole, with the origins of their faces there, and their attributes where those are kept: faces with a vertex within `reach` of the region's
-// box, and four rings around it.
+// Takes the surroundings out of the whole, with the origins of their faces there, and their attributes where those are kept:
+// faces with a vertex within `reach` of the region's box, and four rings around it.
 TriangleMesh CutOutSurroundings(double reach, const RegionParts& parts);
 
 // The surface of the region alone, of the surroundings' (which has its curvature).

@@ -1,6 +1,7 @@
 // Algorithm: 1. ParseArguments, before anything is touched; 2. CheckOutputs, so that a folder that can't be written is told before
 // the work; 3. ReadMesh; 4. UseInput: the repaired copy and the left half of the picture, so that the input need not be kept;
 // 5. Call: chunks go to the spool as they come; 6. WriteResult, picture and stats.
+#include <filesystem>
 #include <iostream>
 #include <optional>
 
@@ -299,10 +300,15 @@ class RemeshCommand {
     return written.ok() ? ExitCode::kDone : Fail(ExitCode::kOutput, written);
   }
 
-  // Where there is none, a warning has said why.
+  // Where there is none, a warning has said why. Whoever can read its name may use it.
   ExitCode WriteSession() {
     if (arguments_.keep_session.empty() || !summary_.has_session()) return ExitCode::kDone;
     const absl::Status written = WriteWholeFile(arguments_.keep_session, summary_.session().id() + "\n");
+    std::error_code ignored;  // a pipe is nobody else's
+    if (std::filesystem::is_regular_file(arguments_.keep_session, ignored)) {
+      constexpr std::filesystem::perms mine = std::filesystem::perms::owner_read | std::filesystem::perms::owner_write;
+      std::filesystem::permissions(arguments_.keep_session, mine, ignored);
+    }
     return written.ok() ? ExitCode::kDone : Fail(ExitCode::kOutput, written);
   }
 

@@ -127,6 +127,8 @@ TEST(SameBitsOverSocket, InAPatchOfASession) {
   const std::string alone = run(in, {});
   EXPECT_GT(alone.size(), 1000u);
   EXPECT_EQ(run(in, {"--server", server.address(), "--keep-session", session}), alone);
+  const auto others = std::filesystem::perms::group_all | std::filesystem::perms::others_all;
+  EXPECT_EQ(std::filesystem::status(session).permissions() & others, std::filesystem::perms::none) << "it is a secret";
   EXPECT_EQ(run("-", {"--server", server.address(), "--session", session}), alone);
   std::ofstream(session) << "0123456789abcdef\n";
   EXPECT_EQ(run("-", {"--server", server.address(), "--session", session}), "3") << "no such session";

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/prepared_input.h"
 #include "core/remesh.h"
 #include "tests/support/checking_sink.h"
 #include "tests/support/matchers.h"
@@ -192,6 +193,24 @@ TEST(Region, KeepsTheBorderOfMaterials) {
   for (size_t f = 0; f < mesh.triangles.size(); ++f) {
     for (const VertexId v : mesh.triangles[f])
       EXPECT_TRUE(mesh.attributes.GroupOf(f) == 7 ? mesh.PositionAt(v).x > -1e-9 : mesh.PositionAt(v).x < 1e-9) << f;
+  }
+}
+
+// Also where the mesh was prepared before, and whether attributes are wanted or not.
+TEST(Region, KeepsTheAttributesOfAPreparedInput) {
+  const TriangleMesh input = Textured(Torus(1, 0.4, 64, 32), AroundZ);
+  const auto prepared = PreparedInput::Create(input, true, Context());
+  ASSERT_THAT(prepared, IsOk());
+  for (const bool attributes : {true, false}) {
+    const RemeshOptions options{.rho = 0.3, .attributes = attributes};
+    const Region region{RegionSphere{{-1.4, 0, 0}, 0.5}};
+    const Outcome alone = RemeshOrFail(input, options, region);
+    CollectingSink again;
+    ASSERT_THAT(Remesh({{}, options, region, *prepared}, again, Context()), IsOk());
+    EXPECT_EQ(again.mesh.positions, alone.mesh.positions);
+    EXPECT_EQ(again.mesh.attributes.values, alone.mesh.attributes.values);
+    EXPECT_EQ(again.mesh.attributes.corners, alone.mesh.attributes.corners);
+    EXPECT_EQ(again.mesh.attributes.corners.empty(), !attributes);
   }
 }
 
