@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "Eigen/Eigenvalues"
 #include "core/base/status_macros.h"
 #include "core/geometry/point_tree.h"
+#include "core/mesh/point_noise.h"
 #include "core/mesh/point_repair.h"
 #include "core/mesh/union_find.h"
 
@@ -31,24 +31,6 @@ struct Pair {
   double disagreement;
   uint32_t a, b;
 };
-
-Vec3 PlaneNormal(const std::vector<Vec3>& positions, uint32_t center, const uint32_t* neighbours, size_t count) {
-  Vec3 mean = positions[center];
-  for (size_t i = 0; i < count; ++i) mean += positions[neighbours[i]];
-  mean = mean / static_cast<double>(count + 1);
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  double scale = 0;
-  for (size_t i = 0; i <= count; ++i)
-    scale = std::max(scale, Distance(positions[i < count ? neighbours[i] : center], mean));
-  for (size_t i = 0; i <= count && scale > 0; ++i) {
-    const Vec3 d = (positions[i < count ? neighbours[i] : center] - mean) / scale;
-    const Eigen::Vector3d e(d.x, d.y, d.z);
-    spread += e * e.transpose();
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
-  const Eigen::Vector3d n = solver.eigenvectors().col(0);
-  return Normalized(Vec3{n.x(), n.y(), n.z()});
-}
 
 // Neighbours by how well their planes agree, the best first.
 std::vector<Pair> SortedPairs(const TriangleMesh& points, const Neighbours& neighbours) {
@@ -93,8 +75,8 @@ std::vector<bool> Sides(const TriangleMesh& points, const std::vector<bool>& giv
 
 }  // namespace
 
-absl::StatusOr<uint64_t> EstimateNormals(TriangleMesh& points, const Context& context) {
-  const size_t n = points.positions.size();
+absl::StatusOr<uint64_t> EstimateNormals(TriangleMesh& points, size_t plane_neighbours, const Context& context) {
+  const size_t n = points.positions.size(), asked = std::max(plane_neighbours, kPlaneNeighbours);
   Neighbours neighbours{std::min(kPlaneNeighbours, n - 1), {}};
   neighbours.list.resize(n * neighbours.each);
   std::vector<bool> given;
@@ -102,14 +84,18 @@ absl::StatusOr<uint64_t> EstimateNormals(TriangleMesh& points, const Context& co
   const PointTree tree(points.positions);
   MESHFRONT_RETURN_IF_ERROR(ParallelFor(n, kGrain, context, [&](size_t begin, size_t end) {
     std::vector<std::pair<double, uint32_t>> found;
+    std::vector<uint32_t> around;
     for (size_t i = begin; i < end; ++i) {
-      tree.FindNearest(points.positions[i], neighbours.each + 1, found);
+      tree.FindNearest(points.positions[i], (given[i] ? neighbours.each : asked) + 1, found);
       uint32_t* list = neighbours.list.data() + i * neighbours.each;
       size_t at = 0;
       for (const auto& entry : found) {
         if (entry.second != i && at < neighbours.each) list[at++] = entry.second;
       }
-      if (!given[i]) points.normals[i] = PlaneNormal(points.positions, static_cast<uint32_t>(i), list, neighbours.each);
+      if (given[i]) continue;
+      around.clear();
+      for (const auto& entry : found) around.push_back(entry.second);
+      points.normals[i] = FitNeighbourPlane(points.positions, around).normal;
     }
   }));
   const std::vector<Pair> pairs = SortedPairs(points, neighbours);

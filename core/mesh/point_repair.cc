@@ -125,8 +125,9 @@ absl::StatusOr<PointRepair> RepairPoints(TriangleMesh points, bool change, const
     if (std::abs(SquaredNorm(n) - 1) > kUnitSlack) n = Normalized(n);
     missing += n == Vec3{};
   }
+  result.noise = MeasurePointNoise(kept.positions);
   if (missing == 0) return result;
-  MESHFRONT_ASSIGN_OR_RETURN(result.undecided_pairs, EstimateNormals(kept, context));
+  MESHFRONT_ASSIGN_OR_RETURN(result.undecided_pairs, EstimateNormals(kept, result.noise.neighbours, context));
   result.actions.push_back({"estimated_normals", missing});
   return result;
 }

@@ -6,6 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/base/context.h"
+#include "core/mesh/point_noise.h"
 #include "core/mesh/repair.h"
 #include "core/mesh/triangle_mesh.h"
 
@@ -20,6 +21,7 @@ struct PointRepair {
   std::vector<RepairAction> actions;
   // Pairs of neighbours whose normals, as estimated, point apart: where it is not clear which side is which.
   uint64_t undecided_pairs = 0;
+  PointNoise noise;  // of what is left
 };
 
 // With `change` false nothing is dropped: FailedPrecondition where something would have to be, with its place. Normals
@@ -27,9 +29,9 @@ struct PointRepair {
 // Deterministic.
 absl::StatusOr<PointRepair> RepairPoints(TriangleMesh points, bool change, const Context& context);
 
-// Normals of points that have none (zero): normal to the plane that fits the nearest neighbours, on the side of
+// Normals of points that have none (zero): normal to the plane that fits so many neighbours, 14 at least, on the side of
 // neighbours that have one, else outward, which is the side that encloses a volume. Returns the pairs that remained
 // undecided.
-absl::StatusOr<uint64_t> EstimateNormals(TriangleMesh& points, const Context& context);
+absl::StatusOr<uint64_t> EstimateNormals(TriangleMesh& points, size_t plane_neighbours, const Context& context);
 
 }  // namespace meshfront

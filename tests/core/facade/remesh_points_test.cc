@@ -1,6 +1,9 @@
 // Point sets through the facade: closed surfaces of the right genus, about as many triangles as predicted, the same
 // bits again.
+#include <algorithm>
 #include <cmath>
+#include <random>
+#include <string>
 
 #include "core/remesh.h"
 #include "tests/support/checking_sink.h"
@@ -90,6 +93,49 @@ TEST(RemeshPoints, NeedsNoNormals) {
   EXPECT_EQ(report->output.genus, 1);
   ASSERT_EQ(report->input.repairs.size(), 1u);
   EXPECT_EQ(report->input.repairs[0].what, "estimated_normals");
+}
+
+// Points off a unit sphere, without normals.
+TriangleMesh NoisySphere(size_t count, double deviation) {
+  TriangleMesh points = Sampled(Icosphere(4), count);
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> off(1, deviation);
+  for (Vec3& x : points.positions) x = off(random) * Normalized(x);
+  points.normals.clear();
+  return points;
+}
+
+bool Mentions(const std::vector<std::string>& warnings, const std::string& words) {
+  return std::any_of(warnings.begin(), warnings.end(),
+                     [&](const std::string& w) { return w.find(words) != std::string::npos; });
+}
+
+TEST(RemeshPoints, SeesPastNoise) {
+  CheckingSink sink;
+  const auto report = RemeshPoints(NoisySphere(6000, 0.05), {}, sink);
+  ASSERT_THAT(report, IsOk());
+  EXPECT_THAT(sink.mesh(), IsClosedManifold());
+  EXPECT_EQ(report->output.components, 1u);
+  EXPECT_EQ(report->output.genus, 0);
+  EXPECT_GT(report->parameters.options.mls_radius, 4);
+  EXPECT_TRUE(Mentions(report->warnings, "mls_radius"));
+  double square = 0;
+  for (const Vec3& x : sink.mesh().positions) square += (Norm(x) - 1) * (Norm(x) - 1);
+  EXPECT_LE(std::sqrt(square / static_cast<double>(sink.mesh().positions.size())), 0.02);
+}
+
+TEST(RemeshPoints, WidensSupportsThatSeeTooFew) {
+  TriangleMesh points = Sampled(Icosphere(4), 3000);
+  points.normals = points.positions;
+  for (Vec3& n : points.normals) n = Normalized(n);
+  RemeshOptions options;
+  options.mls_radius = 2;
+  CheckingSink sink;
+  const auto report = RemeshPoints(points, options, sink);
+  ASSERT_THAT(report, IsOk());
+  EXPECT_TRUE(report->complete);
+  EXPECT_THAT(sink.mesh(), HasNoSelfIntersection());
+  EXPECT_TRUE(Mentions(report->warnings, "supports were widened"));
 }
 
 TEST(RemeshPoints, KeepsToTheCountWanted) {
