@@ -92,7 +92,7 @@ absl::StatusOr<Preparation> PreparePoints(Problem problem, const Context& contex
   MESHFRONT_ASSIGN_OR_RETURN(PointRepair repaired, RepairPoints(std::move(problem.mesh), options.repair, context));
   p.input.repairs = std::move(repaired.actions);
   if (repaired.undecided_pairs > 0) {
-    p.warnings.push_back(absl::StrCat("normals were estimated; at ", repaired.undecided_pairs,
+    p.warnings.push_back(absl::StrCat("normals were estimated or turned; at ", repaired.undecided_pairs,
                                       " pairs of neighbours it is not clear which side of the surface is outside"));
   }
   if (options.crease_angle != RemeshOptions().crease_angle)

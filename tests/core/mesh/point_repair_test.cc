@@ -70,6 +70,28 @@ TEST(RepairPoints, TakesTheSideOfNormalsThatAreThere) {
   for (size_t i = 0; i < 4000; ++i) EXPECT_LT(Dot(points.positions[i], repaired->points.normals[i]), 0);
 }
 
+TEST(RepairPoints, TurnsNormalsToTheSideOfMost) {
+  TriangleMesh points = testing::Sampled(testing::Torus(1, 0.4, 60, 24), 6000);
+  const std::vector<Vec3> normals = points.normals;
+  uint64_t turned = 0;
+  for (size_t i = 0; i < 6000; ++i) {
+    if (i % 5 == 0 || points.positions[i].x > 0.9) points.normals[i] = -points.normals[i], ++turned;
+  }
+  const auto repaired = RepairPoints(points, true, Context{});
+  ASSERT_THAT(repaired, IsOk());
+  EXPECT_EQ(ActionsOf(*repaired)["turned_normals"], turned);
+  EXPECT_EQ(repaired->points.normals, normals);
+  const auto left_alone = RepairPoints(points, false, Context{});
+  ASSERT_THAT(left_alone, IsOk());
+  EXPECT_EQ(left_alone->points.normals, points.normals);
+}
+
+// Sheets a spacing apart, whose cosines say that they are on opposite sides.
+TEST(RepairPoints, KeepsTheSidesOfThinPlatesApart) {
+  const TriangleMesh points = testing::Sampled(testing::ThinSlab(40, 0.02), 40000);
+  EXPECT_THAT(RepairPoints(points, true, Context{})->actions, ::testing::IsEmpty());
+}
+
 // A heap of points has no sides.
 TEST(RepairPoints, SaysWhereSidesAreNotClear) {
   TriangleMesh points = testing::Sampled(testing::Icosphere(3), 4000);
