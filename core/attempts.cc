@@ -24,6 +24,7 @@
 #include "core/loose_faces.h"
 #include "core/mesh/self_intersection.h"
 #include "core/own_faces.h"
+#include "core/uncovered_samples.h"
 
 namespace meshfront {
 namespace {
@@ -217,6 +218,7 @@ absl::StatusOr<Attempt> MakeAttempt(const Preparation& p, bool looks_closely, bo
   if (p.points || p.builder->HasCloseSheets() || looks_closely)
     MESHFRONT_RETURN_IF_ERROR(FindIntersections(mesh, p, attempt.bound, attempt, context));
   FindFlatTriangles(mesh, attempt);
+  if (p.points) attempt.uncovered = FindUncovered(*p.points, mesh);
   return attempt;
 }
 
@@ -303,6 +305,10 @@ class Remedy {
  private:
   absl::StatusOr<bool> ApplyToPoints(const Attempt& last, const std::vector<Vec3>& places,
                                      std::optional<uint64_t> count, Preparation& p, const Context& context) {
+    if (!last.uncovered.empty() && last.fault_count() == last.uncovered.size()) {
+      p.more_seeds.insert(p.more_seeds.end(), last.uncovered.begin(), last.uncovered.end());
+      return IsPrepared({}, count, p, context);
+    }
     const bool is_at_places = !last.front.ran_away && last.fault_count() <= kMostFaultsAtPlaces;
     if (is_at_places && last.lost_rims == 0 && finer_++ < kFinerForPoints) return IsPrepared(places, count, p, context);
     in_vain_ = static_cast<double>(last.fault_count()) > kWorthGoingOn * fewest_faults_ ? in_vain_ + 1 : 0;
@@ -395,6 +401,7 @@ absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& p, MeshSink& sink, const 
   }
   if (best.fault_count() > 0 && best.front.triangles > 0 && !p.parameters.options.min_edge && !p.region && !p.points)
     MESHFRONT_RETURN_IF_ERROR(PutOwnFacesIn(p, best, context));
+  for (const SourcePoint& place : best.uncovered) best.front.open_places.push_back(place.position);
   held.PutBack(std::exchange(best.pieces, {}));
   MESHFRONT_RETURN_IF_ERROR(held.Release());
   return best;

@@ -10,6 +10,7 @@
 #include "core/mesh/mesh_sink.h"
 #include "core/mesh/topology.h"
 #include "core/preparation.h"
+#include "core/surface/surface.h"
 
 namespace meshfront {
 
@@ -26,15 +27,17 @@ struct Attempt {
   std::vector<HeldPiece> pieces;     // what was held of it; none afterwards
   double bound = 0;                  // of the error: how far from where the surface meets itself it may, too
   // Of a point set, whose surface is another where supports were widened.
-  uint64_t lost_rims = 0;         // its rims that could not be followed
-  std::vector<Vec3> lost_places;  // along them
-  double widened = 1;             // its supports, at the most
-  TopologyReport points;          // its parts and rims
+  std::vector<SourcePoint> uncovered;  // a place in each of its parts that the mesh does not cover all of
+  uint64_t lost_rims = 0;              // its rims that could not be followed
+  std::vector<Vec3> lost_places;       // along them
+  double widened = 1;                  // its supports, at the most
+  TopologyReport points;               // its parts and rims
   double peak_curvature = 0;
   uint64_t own_components = 0, own_faces = 0;  // of the input, handed on as they came in (own_faces.h)
 
   size_t fault_count() const {
-    return front.open_places.size() + intersections.size() + flat_triangles.size() + lost_rims + has_other_topology;
+    return front.open_places.size() + intersections.size() + flat_triangles.size() + lost_rims + uncovered.size() +
+           has_other_topology;
   }
   // The places of all of them.
   std::vector<Vec3> Faults() const;

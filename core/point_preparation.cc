@@ -143,6 +143,7 @@ void SetPointFronts(Preparation& p) {
     if (std::none_of(p.rims.begin(), p.rims.end(), [&](const RimCurve& rim) { return rim.component == c; }))
       p.seeds.push_back(seeds[c]);
   }
+  p.seeds.insert(p.seeds.end(), p.more_seeds.begin(), p.more_seeds.end());
 }
 
 absl::StatusOr<bool> WidenSupports(absl::Span<const Vec3> places, double factor, std::optional<uint64_t> count,
@@ -154,6 +155,7 @@ absl::StatusOr<bool> WidenSupports(absl::Span<const Vec3> places, double factor,
                              before.Widened(places, factor, kMostWidened, context));
   if (samples->component_count() == 0) return false;
   p.widened *= factor;
+  p.more_seeds.clear();
   const SizingLimits limits = p.point_builder->limits();
   p.point_builder.reset();
   MESHFRONT_RETURN_IF_ERROR(SetPointSurface(std::move(samples), p, context));

@@ -45,7 +45,7 @@ NeighbourPlane FitNeighbourPlane(absl::Span<const Vec3> positions, absl::Span<co
   const auto root_mean_square = [&](int axis) {
     return scale * std::sqrt(std::max(solver.eigenvalues()[axis], 0.0) / static_cast<double>(neighbours.size()));
   };
-  return {Normalized(Vec3{n.x(), n.y(), n.z()}), root_mean_square(0), root_mean_square(1)};
+  return {Normalized(Vec3{n.x(), n.y(), n.z()}), root_mean_square(0), root_mean_square(1), root_mean_square(2)};
 }
 
 PointNoise MeasurePointNoise(absl::Span<const Vec3> positions) {
@@ -67,7 +67,7 @@ PointNoise MeasurePointNoise(absl::Span<const Vec3> positions) {
       spacing.push_back(std::sqrt(std::numbers::pi * found.back().first / static_cast<double>(k)));
     }
     const double flat = Median(flatness);
-    if (best.neighbours == 0 || flat < least) best = {Median(spacing), Median(across), k}, least = flat;
+    if (best.neighbours == 0 || flat < least) best = {Median(spacing), Median(across), flat, k}, least = flat;
     if (flat <= kFlat || 2 * k > std::min(kMostNeighbours, n / 4)) break;
   }
   return best;

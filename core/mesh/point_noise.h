@@ -15,14 +15,15 @@ namespace meshfront {
 struct PointNoise {
   double spacing = 0;    // between neighbours on the surface, the median
   double deviation = 0;  // from the plane through the neighbours, the root of the mean square, the median
-  size_t neighbours =
-      0;  // so many are needed until what lies around a point looks flat; the fewest where there is no noise
+  double flatness = 0;   // what neighbours measure across their plane in parts of along it, the median; of a ball 0.8
+  // So many are needed until what lies around a point looks flat; the fewest where there is no noise.
+  size_t neighbours = 0;
 };
 
-// The plane through the nearest points around one, and their root mean squares across it and along its shorter axis.
+// The plane through the nearest points around one, and their root mean squares across it and along its axes.
 struct NeighbourPlane {
   Vec3 normal;
-  double across = 0, along = 0;
+  double across = 0, along = 0, longest = 0;
 };
 NeighbourPlane FitNeighbourPlane(absl::Span<const Vec3> positions, absl::Span<const uint32_t> neighbours);
 

@@ -25,6 +25,10 @@ constexpr double kOutlierDistance = 6;
 // Neighbours that are no more in doubt than this are on the same side, or a normal is on the wrong one; and the part of
 // them beyond which that is no accident.
 constexpr double kClearSides = 0.3, kMixedSides = 0.005;
+// Points are on a line when they spread across it by less than this part of along it; and fill a volume when they do so
+// across the planes through their neighbours by more than this part, of a ball 0.8, where there are enough to tell.
+constexpr double kLineWidth = 1e-6, kVolumeFlatness = 0.6;
+constexpr size_t kFewestOfAVolume = 200;
 constexpr size_t kGrain = 512;
 constexpr double kUnitSlack = 1e-12;  // of a squared length: such normals keep their bits
 
@@ -128,6 +132,23 @@ void MakeUnitNormals(TriangleMesh& points) {
   }
 }
 
+absl::Status CheckIsNoLine(const TriangleMesh& points) {
+  std::vector<uint32_t> all(points.positions.size());
+  std::iota(all.begin(), all.end(), 0u);
+  const NeighbourPlane plane = FitNeighbourPlane(points.positions, all);
+  if (plane.along > kLineWidth * plane.longest) return absl::OkStatus();
+  return absl::FailedPreconditionError(absl::StrCat("the ", all.size(), " points lie on a line through (",
+                                                    points.positions[0].x, ", ", points.positions[0].y, ", ",
+                                                    points.positions[0].z, "); they are no samples of a surface"));
+}
+
+absl::Status CheckIsNoVolume(const PointNoise& noise, size_t count) {
+  if (count < kFewestOfAVolume || noise.flatness < kVolumeFlatness) return absl::OkStatus();
+  return absl::FailedPreconditionError(absl::StrCat("the ", count, " points fill a volume: among ", noise.neighbours,
+                                                    " neighbours they spread across the surface by ", noise.flatness,
+                                                    " of what they do along it; they are no samples of a surface"));
+}
+
 }  // namespace
 
 absl::StatusOr<PointRepair> RepairPoints(TriangleMesh points, bool change, const Context& context) {
@@ -148,7 +169,9 @@ absl::StatusOr<PointRepair> RepairPoints(TriangleMesh points, bool change, const
     has_mixed_sides = around.has_mixed_sides;
   }
   const auto missing = static_cast<uint64_t>(std::count(kept.normals.begin(), kept.normals.end(), Vec3{}));
+  MESHFRONT_RETURN_IF_ERROR(CheckIsNoLine(kept));
   result.noise = MeasurePointNoise(kept.positions);
+  MESHFRONT_RETURN_IF_ERROR(CheckIsNoVolume(result.noise, kept.positions.size()));
   if (missing == 0 && !has_mixed_sides) return result;
   MESHFRONT_ASSIGN_OR_RETURN(const SideReport sides,
                              EstimateNormals(kept, result.noise.neighbours, has_mixed_sides, context));

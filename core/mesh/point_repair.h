@@ -26,7 +26,8 @@ struct PointRepair {
 };
 
 // With `change` false nothing is dropped: FailedPrecondition where something would have to be, with its place. Normals
-// are estimated in any case. InvalidArgument: fewer than 4 points are left. 3 µs a point, 10 where normals are missing.
+// are estimated in any case. InvalidArgument: fewer than 4 points are left. FailedPrecondition: those left lie on a line,
+// or fill a volume as far as their neighbours tell. 3 µs a point, 10 where normals are missing.
 // Deterministic.
 absl::StatusOr<PointRepair> RepairPoints(TriangleMesh points, bool change, const Context& context);
 

@@ -31,6 +31,9 @@ constexpr size_t kCompared = 8;
 constexpr double kSameCurve = 0.75;
 // Steps between places that are noted of a curve that is lost.
 constexpr size_t kLostStride = 16;
+// Of a rim in supports as they were before they were widened, and samples of a part that may have a shorter one: a disc of so many has one of seven.
+constexpr double kShortestRim = 4;
+constexpr size_t kLargestWithShortRim = 64;
 constexpr int kCorrections = 8;
 constexpr double kCorrected = 1e-7;  // of the support
 constexpr size_t kHalfWindow = 4;    // steps to either side over which the curve's direction is compared
@@ -131,6 +134,16 @@ absl::StatusOr<bool> Follow(const ImplicitMlsSurface& surface, const Frame& star
   return false;
 }
 
+// Between samples at random there are places around which few lie to one side, as there is noise: no rim of a part that is
+// larger.
+bool IsGap(const MlsSamples& samples, const RimCurve& curve, size_t part) {
+  double supports = 0;
+  for (const SourcePoint& p : curve.places)
+    supports += samples.radius() * samples.SpacingAt(samples.MembersOf(p.patch)[0]);
+  return part > kLargestWithShortRim &&
+         curve.length < kShortestRim * supports / static_cast<double>(curve.places.size());
+}
+
 // Whether a curve runs along those before it.
 bool IsKnown(const ImplicitMlsSurface& surface, const RimCurve& curve, const std::vector<RimCurve>& known) {
   size_t near = 0;
@@ -186,6 +199,9 @@ absl::StatusOr<RimCurves> TraceRims(const ImplicitMlsSurface& surface, const Con
   RimCurves result;
   std::vector<bool> passed(samples.samples().size(), false);
   const auto count = static_cast<size_t>(std::count(beside.begin(), beside.end(), true));
+  std::vector<size_t> sizes(samples.component_count(), 0);
+  for (uint32_t i = 0; i < beside.size(); ++i)
+    if (samples.ComponentOf(i) != MlsSamples::kStray) ++sizes[samples.ComponentOf(i)];
   const size_t most_steps = kLeastSteps + kMaxStepsPerSample * count;
   for (uint32_t i = 0; i < beside.size(); ++i) {
     if (!beside[i] || passed[i]) continue;
@@ -211,6 +227,7 @@ absl::StatusOr<RimCurves> TraceRims(const ImplicitMlsSurface& surface, const Con
     if (IsKnown(surface, curve, result.curves)) continue;
     curve.component = samples.ComponentOf(i);
     Measure(curve);
+    if (IsGap(samples, curve, sizes[curve.component])) continue;
     result.curves.push_back(std::move(curve));
   }
   return result;
