@@ -1,5 +1,5 @@
 // 1. the longest edge at each vertex    2. samples farther than that from the nearest vertex    3. of those, whose places
-// on the surface are    4. the best of each part
+// on the surface are, patches of which all are    4. the best of each part
 #include "core/uncovered_samples.h"
 
 #include <algorithm>
@@ -13,7 +13,8 @@ namespace {
 
 // Within a triangle a vertex is nearer than its longest edge by far, also where that bends.
 constexpr double kCoveredPerEdge = 1;
-constexpr size_t kFewest = 12;
+// Noise leaves single samples uncovered, not all of those that lie beside each other.
+constexpr size_t kFewest = 24, kFewestOfAPatch = 4;
 // Spacings beside a rim: the front may stop so far inside of the last samples.
 constexpr double kBesideRim = 1;
 
@@ -48,16 +49,18 @@ std::vector<SourcePoint> FindUncovered(const ImplicitMlsSurface& surface, const 
     SourcePoint seed;
   };
   std::vector<Part> parts(samples.component_count());
-  for (uint32_t i = 0; i < samples.samples().size(); ++i) {
-    if (samples.ComponentOf(i) == MlsSamples::kStray) continue;
-    const double spacing = samples.SpacingAt(i);
-    if (is_covered(samples.samples()[i].position, spacing)) continue;
-    const SourcePoint place = surface.AtSample(i);
-    if (is_covered(place.position, spacing)) continue;
-    Part& part = parts[samples.ComponentOf(i)];
-    ++part.count;
-    const double asymmetry = surface.AsymmetryAt(i);
-    if (asymmetry < part.least) part.least = asymmetry, part.seed = place;
+  for (uint32_t p = 0; p < samples.patch_count(); ++p) {
+    const absl::Span<const uint32_t> members = samples.MembersOf(p);
+    if (members.size() < kFewestOfAPatch) continue;
+    const auto is_beside_all = [&](uint32_t i) {
+      const double spacing = samples.SpacingAt(i);
+      return !is_covered(samples.samples()[i].position, spacing) && !is_covered(surface.AtSample(i).position, spacing);
+    };
+    if (!std::all_of(members.begin(), members.end(), is_beside_all)) continue;
+    Part& part = parts[samples.ComponentOf(members[0])];
+    part.count += members.size();
+    const double asymmetry = surface.AsymmetryAt(members[0]);
+    if (asymmetry < part.least) part.least = asymmetry, part.seed = surface.AtSample(members[0]);
   }
   std::vector<SourcePoint> seeds;
   for (const Part& part : parts)

@@ -8,8 +8,8 @@
 
 namespace meshfront {
 
-// Where a front may begin to cover them: in each connected part of the samples of which it leaves a dozen or more
-// uncovered, the place of the one around which the others lie most evenly. 1 µs a sample.
+// Where a front may begin to cover them: in each connected part of the samples of which it leaves two dozen or more
+// uncovered that lie side by side, the place of the one around which the others lie most evenly. 1 µs a sample.
 std::vector<SourcePoint> FindUncovered(const ImplicitMlsSurface& surface, const TriangleMesh& mesh);
 
 }  // namespace meshfront
