@@ -24,6 +24,7 @@
 #include "core/loose_faces.h"
 #include "core/mesh/self_intersection.h"
 #include "core/own_faces.h"
+#include "core/uncovered_samples.h"
 
 namespace meshfront {
 namespace {
@@ -42,7 +43,18 @@ constexpr uint64_t kHeldInAnyCase = 6000;
 // Rough ground: this share of the edges turns by more than the angle of this cosine (80°).
 constexpr double kRoughShare = 0.005, kRoughCosine = 0.17;
 constexpr int kMaxAttempts = 7, kMaxForCount = 4;
-constexpr int kMaxForPoints = 3;  // attempts at a point set: no faces can be cut loose
+// Of a point set, no faces can be cut loose. What helps where shorter edges don't are wider supports: where samples lie unevenly or in a
+// cloud, those of four spacings see too few, and the surface has bumps or ends where there is none.
+constexpr int kMaxForPoints = 6, kFinerForPoints = 1, kWiderAtPlaces = 2;
+constexpr double kWiderAtPlace = 1.6, kWiderEverywhere = 1.5;
+constexpr size_t kMostFaultsAtPlaces = 50;
+// The attempts end where so many in a row have more than this part of the fewest faults so far.
+constexpr double kWorthGoingOn = 0.7;
+constexpr int kMaxInVain = 2;
+// Or after so many triangles, where there are too many faults to be mended.
+constexpr uint64_t kMostTried = 150000;
+// And beyond so many roll-backs, and triangles, the front is no good: another support is tried before.
+constexpr uint64_t kMaxRollBacksForPoints = 60, kMaxBeyondForPoints = 2000;
 // Where the front was taken back at place after place all over a large mesh, the ground is rough, and shorter edges make it no better:
 // roll-backs times triangles.
 constexpr double kMostWorkForFiner = 1e7;
@@ -78,8 +90,9 @@ double BoundPerLength(const Preparation& p) {
 FrontOptions FrontOptionsOf(const Preparation& p, bool passes_sharp_edges) {
   const RemeshOptions& o = p.parameters.options;
   const auto predicted = static_cast<uint64_t>(std::min(p.predicted_triangles, 1e18));
-  const uint64_t most = passes_sharp_edges ? predicted + predicted / 2 + kMaxBeyondWithoutCreases
-                                           : kMaxPerPredicted * predicted + kMaxBeyondPredicted;
+  const uint64_t beyond = p.points ? kMaxBeyondForPoints : kMaxBeyondPredicted;
+  const uint64_t most =
+      passes_sharp_edges ? predicted + predicted / 2 + kMaxBeyondWithoutCreases : kMaxPerPredicted * predicted + beyond;
   return {.flips = o.flips,
           .smooth = o.smooth,
           .fit = o.fit,
@@ -87,6 +100,7 @@ FrontOptions FrontOptionsOf(const Preparation& p, bool passes_sharp_edges) {
           .bound_per_length = BoundPerLength(p),
           .predicted_triangles = predicted,
           .max_triangles = most,
+          .max_roll_backs = p.points ? kMaxRollBacksForPoints : std::numeric_limits<uint64_t>::max(),
           .sweep = LongestAxis(p.Box()),
           .max_error = o.sizing == Sizing::kError ? p.parameter : std::numeric_limits<double>::infinity(),
           .max_insertions = p.parameters.target_triangles > 0 ? kInsertionsForCount * p.predicted_triangles
@@ -188,6 +202,11 @@ absl::StatusOr<Attempt> MakeAttempt(const Preparation& p, bool looks_closely, bo
                              AdvanceFront(p.any_surface(), *p.field, p.loops, p.seeds, options, held, context));
   attempt.parameters = p.parameters;
   attempt.parameter = p.parameter;
+  attempt.lost_rims = p.lost_rims;
+  attempt.lost_places = p.lost_places;
+  attempt.widened = p.widened;
+  attempt.points = p.input.topology;
+  attempt.peak_curvature = p.PeakCurvature();
   attempt.intersections = attempt.front.spread_intersections;
   attempt.has_other_topology = HasOtherTopology(attempt.front, p);
   if (held.is_passing()) return attempt;
@@ -199,6 +218,7 @@ absl::StatusOr<Attempt> MakeAttempt(const Preparation& p, bool looks_closely, bo
   if (p.points || p.builder->HasCloseSheets() || looks_closely)
     MESHFRONT_RETURN_IF_ERROR(FindIntersections(mesh, p, attempt.bound, attempt, context));
   FindFlatTriangles(mesh, attempt);
+  if (p.points) attempt.uncovered = FindUncovered(*p.points, mesh);
   return attempt;
 }
 
@@ -264,25 +284,44 @@ class Remedy {
   absl::StatusOr<bool> Apply(const Attempt& last, const std::vector<Vec3>& places, bool is_rough,
                              std::optional<uint64_t> count, Preparation& p, const Context& context) {
     const bool is_faulty = last.fault_count() > 0;
+    if (p.points && is_faulty) return ApplyToPoints(last, places, count, p, context);
     if (is_faulty && std::exchange(may_keep_creases_, false)) {
       MESHFRONT_ASSIGN_OR_RETURN(keeps_creases_,
                                  CutAlongCreases(kCreaseAngleOfNeed * std::numbers::pi / 180, p, context));
       if (keeps_creases_) return IsPrepared({}, count, p, context);
     }
     if (places.size() > kMostFaults || last.has_other_topology) {
-      if (p.points || p.parameters.options.eta <= kGentleEta) return false;
+      if (p.parameters.options.eta <= kGentleEta) return false;
       GradeGently(p);
       return IsPrepared({}, count, p, context);
     }
     const bool is_finer = !is_rough && finer_++ < kFinerAttempts;
-    if (places.empty() || is_finer || p.points || p.parameters.options.min_edge)
-      return IsPrepared(places, count, p, context);
+    if (places.empty() || is_finer || p.parameters.options.min_edge) return IsPrepared(places, count, p, context);
     MESHFRONT_RETURN_IF_ERROR(CutFacesLoose(places, reach_, p, context));
     reach_ *= 2;
     return IsPrepared({}, count, p, context);
   }
 
  private:
+  absl::StatusOr<bool> ApplyToPoints(const Attempt& last, const std::vector<Vec3>& places,
+                                     std::optional<uint64_t> count, Preparation& p, const Context& context) {
+    if (!last.uncovered.empty() && last.fault_count() == last.uncovered.size()) {
+      p.more_seeds.insert(p.more_seeds.end(), last.uncovered.begin(), last.uncovered.end());
+      return IsPrepared({}, count, p, context);
+    }
+    const bool is_at_places = !last.front.ran_away && last.fault_count() <= kMostFaultsAtPlaces;
+    if (is_at_places && last.lost_rims == 0 && finer_++ < kFinerForPoints) return IsPrepared(places, count, p, context);
+    in_vain_ = static_cast<double>(last.fault_count()) > kWorthGoingOn * fewest_faults_ ? in_vain_ + 1 : 0;
+    fewest_faults_ = std::min(fewest_faults_, static_cast<double>(last.fault_count()));
+    tried_ += last.front.triangles;
+    if (in_vain_ >= kMaxInVain || (tried_ > kMostTried && last.fault_count() > kMostFaults)) return false;
+    absl::StatusOr<bool> wider = is_at_places && wider_++ < kWiderAtPlaces
+                                     ? WidenSupports(places, kWiderAtPlace, count, p, context)
+                                     : WidenSupports({}, kWiderEverywhere, count, p, context);
+    if (absl::IsInvalidArgument(wider.status())) return false;
+    return wider;
+  }
+
   // Not where so few triangles, or so many, can't be made.
   static absl::StatusOr<bool> IsPrepared(absl::Span<const Vec3> finer_at, std::optional<uint64_t> count, Preparation& p,
                                          const Context& context) {
@@ -293,8 +332,11 @@ class Remedy {
   }
 
   bool may_keep_creases_, keeps_creases_ = false;
-  int finer_ = 0;  // attempts with shorter edges
+  int finer_ = 0, wider_ = 0;  // attempts with shorter edges, and with wider supports around faults
   double reach_ = kLooseReach;
+  double fewest_faults_ = std::numeric_limits<double>::infinity();
+  uint64_t tried_ = 0;  // triangles of all attempts
+  int in_vain_ = 0;     // wider supports that hardly made it better
 };
 
 }  // namespace
@@ -303,6 +345,7 @@ std::vector<Vec3> Attempt::Faults() const {
   std::vector<Vec3> places = front.open_places;
   places.insert(places.end(), intersections.begin(), intersections.end());
   places.insert(places.end(), flat_triangles.begin(), flat_triangles.end());
+  places.insert(places.end(), lost_places.begin(), lost_places.end());
   return places;
 }
 
@@ -346,7 +389,8 @@ absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& p, MeshSink& sink, const 
     held.HoldAll();  // the next may be larger, and worse: at most what max_triangles allows
     const bool is_off = CountErrorOf(attempt, wanted) > kCountPromise;
     const bool is_good = attempt.fault_count() == 0 && (!is_off || number >= kMaxForCount);
-    bool goes_on = !is_good && attempt.front.triangles > 0 && number < (p.points ? kMaxForPoints : kMaxAttempts);
+    bool goes_on =
+        !is_good && (attempt.front.triangles > 0 || p.points) && number < (p.points ? kMaxForPoints : kMaxAttempts);
     if (goes_on) {
       const double work = static_cast<double>(attempt.front.roll_backs) * static_cast<double>(attempt.front.triangles);
       MESHFRONT_ASSIGN_OR_RETURN(goes_on, remedy.Apply(attempt, attempt.Faults(), is_rough || work > kMostWorkForFiner,
@@ -357,6 +401,7 @@ absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& p, MeshSink& sink, const 
   }
   if (best.fault_count() > 0 && best.front.triangles > 0 && !p.parameters.options.min_edge && !p.region && !p.points)
     MESHFRONT_RETURN_IF_ERROR(PutOwnFacesIn(p, best, context));
+  for (const SourcePoint& place : best.uncovered) best.front.open_places.push_back(place.position);
   held.PutBack(std::exchange(best.pieces, {}));
   MESHFRONT_RETURN_IF_ERROR(held.Release());
   return best;

@@ -10,6 +10,7 @@
 #include "core/mesh/mesh_sink.h"
 #include "core/mesh/topology.h"
 #include "core/preparation.h"
+#include "core/surface/surface.h"
 
 namespace meshfront {
 
@@ -25,10 +26,18 @@ struct Attempt {
   bool keeps_creases = false;        // though they were not to be kept: no front passed over them
   std::vector<HeldPiece> pieces;     // what was held of it; none afterwards
   double bound = 0;                  // of the error: how far from where the surface meets itself it may, too
+  // Of a point set, whose surface is another where supports were widened.
+  std::vector<SourcePoint> uncovered;  // a place in each of its parts that the mesh does not cover all of
+  uint64_t lost_rims = 0;              // its rims that could not be followed
+  std::vector<Vec3> lost_places;       // along them
+  double widened = 1;                  // its supports, at the most
+  TopologyReport points;               // its parts and rims
+  double peak_curvature = 0;
   uint64_t own_components = 0, own_faces = 0;  // of the input, handed on as they came in (own_faces.h)
 
   size_t fault_count() const {
-    return front.open_places.size() + intersections.size() + flat_triangles.size() + has_other_topology;
+    return front.open_places.size() + intersections.size() + flat_triangles.size() + lost_rims + uncovered.size() +
+           has_other_topology;
   }
   // The places of all of them.
   std::vector<Vec3> Faults() const;
@@ -48,7 +57,9 @@ bool HasOtherTopology(const TopologyReport& output, const TopologyReport& input)
 // input's faces cut loose around the faults (loose_faces.h), unless a shortest edge is asked for; and up to three times for as many more or
 // fewer triangles as came too few or too many when a number was wanted (off by more than 3 %). The attempt with the fewest faults goes on,
 // of equals the one nearest to the count; components that are wrong in it are the input's own faces (own_faces.h), unless a shortest edge
-// or a region is asked for. Progress begins anew with each. Changes the preparation.
+// or a region is asked for. Of point sets all are held that fit; they are made again at most five times: with shorter edges once, with
+// wider supports around faults twice, and with wider ones everywhere, at once where the front folded over itself (FrontReport::ran_away),
+// until two in a row have hardly fewer faults. Progress begins anew with each. Changes the preparation.
 absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& preparation, MeshSink& sink, const Context& context);
 
 }  // namespace meshfront

@@ -20,6 +20,8 @@ class PointFieldBuilder {
  public:
   PointFieldBuilder(const PointSurface& surface, absl::Span<const RimCurve> rims, const SizingLimits& limits);
 
+  const SizingLimits& limits() const { return limits_; }
+
   // As FieldBuilder's, with the same errors.
   absl::StatusOr<SizedField> Build(double parameter, const Context& context);
   absl::StatusOr<SizedField> BuildForCount(uint64_t count, const Context& context);

@@ -18,6 +18,10 @@ namespace meshfront {
 namespace {
 
 constexpr int kLeastOfASurface = 12;
+// Supports are widened to at most so many spacings.
+constexpr double kMostWidened = 16;
+// Radius in parts of how far the points lie off the surface: below, its bumps are those of the noise.
+constexpr double kRadiusPerNoise = 5;
 
 absl::Status CheckKind(const Problem& problem) {
   const SurfaceKind kind = problem.options.surface;
@@ -48,6 +52,32 @@ std::vector<double> ComponentDiagonals(const MlsSamples& samples) {
   return diagonals;
 }
 
+// The default sees past the noise.
+void SetRadius(const PointNoise& noise, Preparation& p) {
+  double& radius = p.parameters.options.mls_radius;
+  const double wanted = std::min(kMostWidened, kRadiusPerNoise * noise.deviation / noise.spacing);
+  if (radius != RemeshOptions().mls_radius || !(wanted > radius)) return;
+  p.warnings.push_back(absl::StrCat("the points lie off their surface by about ", noise.deviation, ", ",
+                                    noise.deviation / noise.spacing, " spacings: mls_radius is ", wanted,
+                                    " instead of ", radius, "; a value other than that is kept"));
+  radius = wanted;
+}
+
+absl::Status SetPointSurface(std::unique_ptr<MlsSamples> samples, Preparation& p, const Context& context) {
+  if (p.input.is_point_set) p.input.topology.components = samples->component_count();
+  if (p.parameters.options.surface == SurfaceKind::kMls)
+    p.points = std::make_unique<MlsSurface>(std::move(samples));
+  else
+    p.points = std::make_unique<ImplicitMlsSurface>(std::move(samples));
+  MESHFRONT_RETURN_IF_ERROR(p.points->ComputeCurvature(context));
+  MESHFRONT_ASSIGN_OR_RETURN(RimCurves rims, TraceRims(*p.points, context));
+  p.rims = std::move(rims.curves);
+  p.lost_rims = rims.lost;
+  p.lost_places = std::move(rims.lost_places);
+  if (p.input.is_point_set) p.input.topology.boundary_loops = p.rims.size();
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 bool IsMeshedAsPoints(const Problem& problem) {
@@ -74,11 +104,12 @@ absl::StatusOr<Preparation> PreparePoints(Problem problem, const Context& contex
   MESHFRONT_ASSIGN_OR_RETURN(PointRepair repaired, RepairPoints(std::move(problem.mesh), may_change, context));
   p.input.repairs.insert(p.input.repairs.end(), repaired.actions.begin(), repaired.actions.end());
   if (repaired.undecided_pairs > 0) {
-    p.warnings.push_back(absl::StrCat("normals were estimated; at ", repaired.undecided_pairs,
+    p.warnings.push_back(absl::StrCat("normals were estimated or turned; at ", repaired.undecided_pairs,
                                       " pairs of neighbours it is not clear which side of the surface is outside"));
   }
   if (options.crease_angle != RemeshOptions().crease_angle)
     p.warnings.push_back("crease_angle does nothing on point sets yet: their edges are rounded");
+  SetRadius(repaired.noise, p);
   TriangleMesh& points = repaired.points;
   p.input.diagonal = BoundingBox(points).Diagonal();
   p.scale = ScaleFor(p.input.diagonal);
@@ -89,50 +120,60 @@ absl::StatusOr<Preparation> PreparePoints(Problem problem, const Context& contex
 
   context.Report({Stage::kIndex});
   MESHFRONT_ASSIGN_OR_RETURN(std::unique_ptr<MlsSamples> samples,
-                             MlsSamples::Create(points.positions, points.normals, options.mls_radius, context));
+                             MlsSamples::Create(points.positions, points.normals, p.parameters.options.mls_radius,
+                                                context, repaired.noise.neighbours));
   if (samples->component_count() == 0) {
     return absl::FailedPreconditionError(absl::StrCat("the ", points.positions.size(),
                                                       " points are no samples of a surface: no ", kLeastOfASurface,
                                                       " of them lie beside each other with normals that agree"));
   }
   if (samples->stray_count() > 0) p.input.repairs.push_back({"ignored_stray_points", samples->stray_count()});
-  if (p.input.is_point_set) {
-    p.input.topology.vertices = points.positions.size() - samples->stray_count();
-    p.input.topology.components = samples->component_count();
-  }
+  if (p.input.is_point_set) p.input.topology.vertices = points.positions.size() - samples->stray_count();
   points = {};
   MESHFRONT_RETURN_IF_ERROR(SetClamps(options, ComponentDiagonals(*samples), p));
-  if (options.surface == SurfaceKind::kMls)
-    p.points = std::make_unique<MlsSurface>(std::move(samples));
-  else
-    p.points = std::make_unique<ImplicitMlsSurface>(std::move(samples));
   p.seconds.index = watch.Lap();
 
   context.Report({Stage::kCurvature});
-  MESHFRONT_RETURN_IF_ERROR(p.points->ComputeCurvature(context));
+  MESHFRONT_RETURN_IF_ERROR(SetPointSurface(std::move(samples), p, context));
   p.seconds.curvature = watch.Lap();
-
-  MESHFRONT_ASSIGN_OR_RETURN(RimCurves rims, TraceRims(*p.points, context));
-  p.rims = std::move(rims.curves);
-  if (p.input.is_point_set) p.input.topology.boundary_loops = p.rims.size();
-  if (rims.lost > 0) {
-    p.warnings.push_back(absl::StrCat("at ", rims.lost,
-                                      " places where the points end the rim of the surface could not ", "be followed"));
-  }
 
   context.Report({Stage::kGuidance});
   MESHFRONT_RETURN_IF_ERROR(MakeField(p, context));
   p.seconds.guidance = watch.Lap();
 
   context.Report({Stage::kFeatures});
+  SetPointFronts(p);
+  p.seconds.features = watch.Lap();
+  return p;
+}
+
+void SetPointFronts(Preparation& p) {
   p.loops = RimLoops(*p.points, p.rims, *p.field);
-  std::vector<SourcePoint> seeds = p.points->Seeds();
+  p.seeds.clear();
+  const std::vector<SourcePoint> seeds = p.points->Seeds();
   for (uint32_t c = 0; c < seeds.size(); ++c) {
     if (std::none_of(p.rims.begin(), p.rims.end(), [&](const RimCurve& rim) { return rim.component == c; }))
       p.seeds.push_back(seeds[c]);
   }
-  p.seconds.features = watch.Lap();
-  return p;
+  p.seeds.insert(p.seeds.end(), p.more_seeds.begin(), p.more_seeds.end());
+}
+
+absl::StatusOr<bool> WidenSupports(absl::Span<const Vec3> places, double factor, std::optional<uint64_t> count,
+                                   Preparation& p, const Context& context) {
+  const MlsSamples& before = p.points->samples();
+  factor = std::min(factor, kMostWidened / (p.widened * before.radius()));
+  if (factor <= 1) return false;
+  MESHFRONT_ASSIGN_OR_RETURN(std::unique_ptr<MlsSamples> samples,
+                             before.Widened(places, factor, kMostWidened, context));
+  if (samples->component_count() == 0) return false;
+  p.widened *= factor;
+  p.more_seeds.clear();
+  const SizingLimits limits = p.point_builder->limits();
+  p.point_builder.reset();
+  MESHFRONT_RETURN_IF_ERROR(SetPointSurface(std::move(samples), p, context));
+  p.point_builder = std::make_unique<PointFieldBuilder>(*p.points, p.rims, limits);
+  MESHFRONT_RETURN_IF_ERROR(PrepareAgain({}, count, p, context));
+  return true;
 }
 
 }  // namespace meshfront

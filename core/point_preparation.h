@@ -13,4 +13,7 @@ bool IsMeshedAsPoints(const Problem& problem);
 // The stages up to the first triangle, as Prepare.
 absl::StatusOr<Preparation> PreparePoints(Problem problem, const Context& context);
 
+// The fronts to start from: the rims, and a seed in each part without one.
+void SetPointFronts(Preparation& p);
+
 }  // namespace meshfront

@@ -19,7 +19,6 @@
 #include "core/features/attribute_seams.h"
 #include "core/features/boundary.h"
 #include "core/features/creases.h"
-#include "core/features/rim_loops.h"
 #include "core/features/seams.h"
 #include "core/field_builder.h"
 #include "core/guidance/sizing.h"
@@ -391,7 +390,7 @@ absl::Status PrepareAgain(absl::Span<const Vec3> finer_at, std::optional<uint64_
   }
   MESHFRONT_RETURN_IF_ERROR(SetField(count, p, context));
   if (p.points) {
-    p.loops = RimLoops(*p.points, p.rims, *p.field);
+    SetPointFronts(p);
     return absl::OkStatus();
   }
   MESHFRONT_ASSIGN_OR_RETURN(p.loops, BoundaryLoops(*p.surface, *p.field, MaxSagitta(p), context));

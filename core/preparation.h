@@ -31,11 +31,15 @@ struct Preparation {
   std::unique_ptr<FieldBuilder> builder;
   std::unique_ptr<PointSurface> points;  // of a point set; null for a mesh
   std::unique_ptr<PointFieldBuilder> point_builder;
-  std::vector<RimCurve> rims;  // of the point set
+  std::vector<RimCurve> rims;     // of the point set
+  uint64_t lost_rims = 0;         // its curves that could not be followed
+  std::vector<Vec3> lost_places;  // along them
+  double widened = 1;             // the supports of its samples, at the most
   std::optional<GuidanceField> field;
   std::vector<OrientedLoop> loops;
   std::vector<SourcePoint> seeds;
-  double parameter = 0;  // the sizing's: rho, or the error bound or median edge in the surface's scale
+  std::vector<SourcePoint> more_seeds;  // of a point set, where a front left samples uncovered
+  double parameter = 0;                 // the sizing's: rho, or the error bound or median edge in the surface's scale
   double predicted_triangles = 0;
   double scale = 1;  // the surface is the input times this power of two
   StageSeconds seconds;
@@ -53,6 +57,11 @@ double ErrorBoundInForce(const Preparation& preparation, double length, double m
 
 // The stages up to the first triangle. Same errors as Remesh.
 absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context);
+
+// The surface of a point set with supports that are wider by `factor` around places, or everywhere where there are none (MlsSamples),
+// with its field and initial fronts. False: they are as wide as they may be.
+absl::StatusOr<bool> WidenSupports(absl::Span<const Vec3> places, double factor, std::optional<uint64_t> count,
+                                   Preparation& preparation, const Context& context);
 
 // Field and initial fronts again: with edges half as long at some places and, as eta has it, around them; and for a predicted number
 // of triangles, where one is given. The errors of Remesh.

@@ -135,6 +135,16 @@ void WarnOfFaults(const Attempt& attempt, Report& report) {
         "the front could not pass over sharp edges: those of more than 40 degrees are kept as creases, though "
         "crease_angle is off");
   }
+  if (attempt.widened > 1) {
+    report.warnings.push_back(absl::StrCat("supports were widened, up to ", attempt.widened,
+                                           " times, where the points lie too unevenly for an mls_radius of ",
+                                           report.parameters.options.mls_radius,
+                                           "; details smaller than that are lost"));
+  }
+  if (attempt.lost_rims > 0) {
+    report.warnings.push_back(absl::StrCat("at ", attempt.lost_rims, " places where the points end the rim of ",
+                                           "the surface could not be followed"));
+  }
   if (!attempt.flat_triangles.empty())
     report.warnings.push_back(absl::StrCat(attempt.flat_triangles.size(), " triangles have no area"));
   if (attempt.own_components > 0) {
@@ -261,6 +271,7 @@ absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& co
   MESHFRONT_ASSIGN_OR_RETURN(const Attempt attempt, AdvanceInAttempts(p, outgoing, context));
   p.parameters = attempt.parameters;
   p.parameter = attempt.parameter;
+  if (p.points) p.input.topology = attempt.points;
   const FrontReport& front = attempt.front;
   if (front.triangles == 0) return NothingMeshed(front, p.scale);
   Report report;
@@ -268,7 +279,7 @@ absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& co
   report.parameters = p.parameters;
   report.predicted_triangles = predicted;
   report.warnings = p.warnings;
-  report.error_bound = ErrorBoundInForce(p, front.longest_edge, p.PeakCurvature());
+  report.error_bound = ErrorBoundInForce(p, front.longest_edge, attempt.peak_curvature);
   report.output = joined ? MeasureTopology(joined->sent()) : TopologyOf(front);
   const bool is_whole_region = joined && !p.region->patch_only && front.open_places.empty();
   const bool has_other_topology =

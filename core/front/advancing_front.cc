@@ -188,6 +188,7 @@ class AdvancingFront {
   uint64_t steps_ = 0, steps_at_last_rescue_ = 0;
   size_t window_after_settling_ = 0;
   uint64_t peak_front_edges_ = 0, roll_backs_ = 0;
+  bool ran_away_ = false;
   std::vector<RimEdge> rim_edges_;  // of the surface, creases left out
   std::vector<uint32_t> labels_;    // union-find over the origins of the fronts: counts the components
   size_t lost_components_ = 0;
@@ -636,6 +637,7 @@ void AdvancingFront::SeedAgain(const SourcePoint& seed, uint32_t label) {
 }
 
 bool AdvancingFront::HasRunAway() const {
+  if (roll_backs_ > options_.max_roll_backs) return true;
   const SettledCounts& counts = window_.counts();
   return options_.max_triangles > 0 &&
          counts.triangles + fronts_.triangle_count() > options_.max_triangles + 2 * counts.insertions;
@@ -647,7 +649,8 @@ void AdvancingFront::AbandonAll() {
   }
   waiting_ = {};
   stuck_.clear();
-  roll_backs_ = kMaxRollBacks;
+  roll_backs_ = std::max<uint64_t>(roll_backs_, kMaxRollBacks);
+  ran_away_ = true;
 }
 
 void AdvancingFront::Abandon(const std::vector<FrontEdgeId>& loop) {
@@ -735,6 +738,7 @@ FrontReport AdvancingFront::Summarise() const {
   report.flips = counts.flips;
   report.peak_front_edges = peak_front_edges_;
   report.roll_backs = roll_backs_;
+  report.ran_away = ran_away_;
   const double bound = ErrorBound(counts.longest_edge);  // the longest is known by now
   for (const Vec3& place : spread_intersections_) {
     if (!surface_.MeetsItselfNear(place, bound, context_)) report.spread_intersections.push_back(place);

@@ -1,5 +1,5 @@
 // 1. the neighbours' plane at each point without a normal    2. a minimum spanning tree over neighbours, the edges
-// along which planes agree best first, carries the side from one to the next    3. parts without any given normal are
+// along which sides are clearest first, carries the side from one to the next    3. parts without any given normal are
 // turned so that they enclose a positive volume
 #include <algorithm>
 #include <cmath>
@@ -7,10 +7,11 @@
 #include <utility>
 #include <vector>
 
-#include "Eigen/Eigenvalues"
 #include "core/base/status_macros.h"
 #include "core/geometry/point_tree.h"
+#include "core/mesh/point_noise.h"
 #include "core/mesh/point_repair.h"
+#include "core/mesh/point_sides.h"
 #include "core/mesh/union_find.h"
 
 namespace meshfront {
@@ -18,9 +19,8 @@ namespace {
 
 constexpr size_t kPlaneNeighbours = 14;
 constexpr size_t kGrain = 256;
-// Neighbours whose normals disagree by more than this cosine tell of nothing but a wrong side; closer to a right angle
-// they may lie around an edge.
-constexpr double kApart = -0.5;
+// Neighbours that are no more in doubt than this tell of a wrong side; others may lie around an edge.
+constexpr double kClear = 0.3;
 
 struct Neighbours {
   size_t each = 0;
@@ -28,39 +28,24 @@ struct Neighbours {
 };
 
 struct Pair {
-  double disagreement;
+  double doubt;
   uint32_t a, b;
+  bool unlike;  // one of them is to be turned
 };
 
-Vec3 PlaneNormal(const std::vector<Vec3>& positions, uint32_t center, const uint32_t* neighbours, size_t count) {
-  Vec3 mean = positions[center];
-  for (size_t i = 0; i < count; ++i) mean += positions[neighbours[i]];
-  mean = mean / static_cast<double>(count + 1);
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  double scale = 0;
-  for (size_t i = 0; i <= count; ++i)
-    scale = std::max(scale, Distance(positions[i < count ? neighbours[i] : center], mean));
-  for (size_t i = 0; i <= count && scale > 0; ++i) {
-    const Vec3 d = (positions[i < count ? neighbours[i] : center] - mean) / scale;
-    const Eigen::Vector3d e(d.x, d.y, d.z);
-    spread += e * e.transpose();
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
-  const Eigen::Vector3d n = solver.eigenvectors().col(0);
-  return Normalized(Vec3{n.x(), n.y(), n.z()});
-}
-
-// Neighbours by how well their planes agree, the best first.
+// Neighbours by how clear their sides are, the clearest first.
 std::vector<Pair> SortedPairs(const TriangleMesh& points, const Neighbours& neighbours) {
   std::vector<Pair> pairs;
   for (uint32_t i = 0; i < points.positions.size(); ++i) {
     for (size_t at = 0; at < neighbours.each; ++at) {
       const uint32_t j = neighbours.list[i * neighbours.each + at];
-      pairs.push_back({1 - std::abs(Dot(points.normals[i], points.normals[j])), i, j});
+      const SideComparison sides =
+          CompareSides(points.positions[i], points.normals[i], points.positions[j], points.normals[j]);
+      pairs.push_back({sides.doubt, i, j, sides.agreement < 0});
     }
   }
   std::sort(pairs.begin(), pairs.end(), [](const Pair& x, const Pair& y) {
-    if (x.disagreement != y.disagreement) return x.disagreement < y.disagreement;
+    if (x.doubt != y.doubt) return x.doubt < y.doubt;
     return x.a != y.a ? x.a < y.a : x.b < y.b;
   });
   return pairs;
@@ -93,8 +78,9 @@ std::vector<bool> Sides(const TriangleMesh& points, const std::vector<bool>& giv
 
 }  // namespace
 
-absl::StatusOr<uint64_t> EstimateNormals(TriangleMesh& points, const Context& context) {
-  const size_t n = points.positions.size();
+absl::StatusOr<SideReport> EstimateNormals(TriangleMesh& points, size_t plane_neighbours, bool turn_given,
+                                           const Context& context) {
+  const size_t n = points.positions.size(), asked = std::max(plane_neighbours, kPlaneNeighbours);
   Neighbours neighbours{std::min(kPlaneNeighbours, n - 1), {}};
   neighbours.list.resize(n * neighbours.each);
   std::vector<bool> given;
@@ -102,29 +88,37 @@ absl::StatusOr<uint64_t> EstimateNormals(TriangleMesh& points, const Context& co
   const PointTree tree(points.positions);
   MESHFRONT_RETURN_IF_ERROR(ParallelFor(n, kGrain, context, [&](size_t begin, size_t end) {
     std::vector<std::pair<double, uint32_t>> found;
+    std::vector<uint32_t> around;
     for (size_t i = begin; i < end; ++i) {
-      tree.FindNearest(points.positions[i], neighbours.each + 1, found);
+      tree.FindNearest(points.positions[i], (given[i] ? neighbours.each : asked) + 1, found);
       uint32_t* list = neighbours.list.data() + i * neighbours.each;
       size_t at = 0;
       for (const auto& entry : found) {
         if (entry.second != i && at < neighbours.each) list[at++] = entry.second;
       }
-      if (!given[i]) points.normals[i] = PlaneNormal(points.positions, static_cast<uint32_t>(i), list, neighbours.each);
+      if (given[i]) continue;
+      around.clear();
+      for (const auto& entry : found) around.push_back(entry.second);
+      points.normals[i] = FitNeighbourPlane(points.positions, around).normal;
     }
   }));
   const std::vector<Pair> pairs = SortedPairs(points, neighbours);
   MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
   ParityUnionFind sets(n);
   for (const Pair& pair : pairs)
-    sets.Unite(pair.a, pair.b,
-               !(given[pair.a] && given[pair.b]) && Dot(points.normals[pair.a], points.normals[pair.b]) < 0);
+    sets.Unite(pair.a, pair.b, (turn_given || !(given[pair.a] && given[pair.b])) && pair.unlike);
   const std::vector<bool> turned = Sides(points, given, sets);
-  for (size_t i = 0; i < n; ++i)
-    if (turned[i] && !given[i]) points.normals[i] = -points.normals[i];
-  uint64_t undecided = 0;
-  for (const Pair& pair : pairs)
-    undecided += pair.a < pair.b && Dot(points.normals[pair.a], points.normals[pair.b]) < kApart;
-  return undecided;
+  SideReport report;
+  for (size_t i = 0; i < n; ++i) {
+    if (!turned[i] || (given[i] && !turn_given)) continue;
+    points.normals[i] = -points.normals[i];
+    report.turned += given[i];
+  }
+  for (const Pair& pair : pairs) {
+    if (pair.doubt > kClear) break;
+    report.undecided_pairs += pair.a < pair.b && pair.unlike != (turned[pair.a] != turned[pair.b]);
+  }
+  return report;
 }
 
 }  // namespace meshfront

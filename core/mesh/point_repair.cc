@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/status_macros.h"
 #include "core/geometry/point_tree.h"
+#include "core/mesh/point_sides.h"
 
 namespace meshfront {
 namespace {
@@ -21,6 +22,13 @@ constexpr double kLargestCoordinate = 1e150;
 // to the next.
 constexpr size_t kOutlierNeighbours = 8;
 constexpr double kOutlierDistance = 6;
+// Neighbours that are no more in doubt than this are on the same side, or a normal is on the wrong one; and the part of
+// them beyond which that is no accident.
+constexpr double kClearSides = 0.3, kMixedSides = 0.005;
+// Points are on a line when they spread across it by less than this part of along it; and fill a volume when they do so
+// across the planes through their neighbours by more than this part, of a ball 0.8, where there are enough to tell.
+constexpr double kLineWidth = 1e-6, kVolumeFlatness = 0.6;
+constexpr size_t kFewestOfAVolume = 200;
 constexpr size_t kGrain = 512;
 constexpr double kUnitSlack = 1e-12;  // of a squared length: such normals keep their bits
 
@@ -61,18 +69,30 @@ std::vector<bool> FirstOnes(const TriangleMesh& points) {
   return keep;
 }
 
-absl::StatusOr<std::vector<bool>> Inliers(const TriangleMesh& points, const Context& context) {
+struct Neighbourhoods {
+  std::vector<bool> inliers;
+  bool has_mixed_sides = false;  // normals of neighbours are on opposite sides
+};
+
+absl::StatusOr<Neighbourhoods> LookAround(const TriangleMesh& points, const Context& context) {
   const size_t n = points.positions.size(), k = std::min(kOutlierNeighbours, n - 1);
   const PointTree tree(points.positions);
   std::vector<double> distances(n);
   std::vector<uint32_t> neighbours(n * k);
+  std::vector<uint8_t> clear(n, 0), opposed(n, 0);
   MESHFRONT_RETURN_IF_ERROR(ParallelFor(n, kGrain, context, [&](size_t begin, size_t end) {
     std::vector<std::pair<double, uint32_t>> found;
     for (size_t i = begin; i < end; ++i) {
       tree.FindNearest(points.positions[i], k + 1, found);
       size_t at = 0;
       for (const auto& [distance, j] : found) {
-        if (j != i && at < k) neighbours[i * k + at++] = j, distances[i] += std::sqrt(distance);
+        if (j == i || at == k) continue;
+        neighbours[i * k + at++] = j, distances[i] += std::sqrt(distance);
+        if (points.normals[i] == Vec3{} || points.normals[j] == Vec3{}) continue;
+        const SideComparison sides =
+            CompareSides(points.positions[i], points.normals[i], points.positions[j], points.normals[j]);
+        clear[i] += sides.doubt < kClearSides;
+        opposed[i] += sides.doubt < kClearSides && sides.agreement < 0;
       }
     }
   }));
@@ -83,7 +103,8 @@ absl::StatusOr<std::vector<bool>> Inliers(const TriangleMesh& points, const Cont
     std::nth_element(theirs.begin(), theirs.begin() + static_cast<std::ptrdiff_t>(k / 2), theirs.end());
     keep[i] = distances[i] <= kOutlierDistance * theirs[k / 2];
   }
-  return keep;
+  const double all = std::accumulate(clear.begin(), clear.end(), 0.0);
+  return Neighbourhoods{std::move(keep), std::accumulate(opposed.begin(), opposed.end(), 0.0) > kMixedSides * all};
 }
 
 // Drops what is not to be kept, or refuses to.
@@ -102,6 +123,32 @@ absl::Status Drop(const std::vector<bool>& keep, const std::string& what, bool c
                                                  " usable points; it must have at least ", kFewestPoints));
 }
 
+// Zero where there is none.
+void MakeUnitNormals(TriangleMesh& points) {
+  if (points.normals.size() != points.positions.size()) points.normals.assign(points.positions.size(), Vec3{});
+  for (Vec3& n : points.normals) {
+    if (!IsFinite(n)) n = {};
+    if (std::abs(SquaredNorm(n) - 1) > kUnitSlack) n = Normalized(n);
+  }
+}
+
+absl::Status CheckIsNoLine(const TriangleMesh& points) {
+  std::vector<uint32_t> all(points.positions.size());
+  std::iota(all.begin(), all.end(), 0u);
+  const NeighbourPlane plane = FitNeighbourPlane(points.positions, all);
+  if (plane.along > kLineWidth * plane.longest) return absl::OkStatus();
+  return absl::FailedPreconditionError(absl::StrCat("the ", all.size(), " points lie on a line through (",
+                                                    points.positions[0].x, ", ", points.positions[0].y, ", ",
+                                                    points.positions[0].z, "); they are no samples of a surface"));
+}
+
+absl::Status CheckIsNoVolume(const PointNoise& noise, size_t count) {
+  if (count < kFewestOfAVolume || noise.flatness < kVolumeFlatness) return absl::OkStatus();
+  return absl::FailedPreconditionError(absl::StrCat("the ", count, " points fill a volume: among ", noise.neighbours,
+                                                    " neighbours they spread across the surface by ", noise.flatness,
+                                                    " of what they do along it; they are no samples of a surface"));
+}
+
 }  // namespace
 
 absl::StatusOr<PointRepair> RepairPoints(TriangleMesh points, bool change, const Context& context) {
@@ -113,21 +160,24 @@ absl::StatusOr<PointRepair> RepairPoints(TriangleMesh points, bool change, const
   }
   MESHFRONT_RETURN_IF_ERROR(Drop(FiniteOnes(result.points), "dropped_non_finite_points", change, result));
   MESHFRONT_RETURN_IF_ERROR(Drop(FirstOnes(result.points), "dropped_duplicate_points", change, result));
-  if (change) {
-    MESHFRONT_ASSIGN_OR_RETURN(const std::vector<bool> inliers, Inliers(result.points, context));
-    MESHFRONT_RETURN_IF_ERROR(Drop(inliers, "dropped_outliers", change, result));
-  }
   TriangleMesh& kept = result.points;
-  if (kept.normals.size() != kept.positions.size()) kept.normals.assign(kept.positions.size(), Vec3{});
-  uint64_t missing = 0;
-  for (Vec3& n : kept.normals) {
-    if (!IsFinite(n)) n = {};
-    if (std::abs(SquaredNorm(n) - 1) > kUnitSlack) n = Normalized(n);
-    missing += n == Vec3{};
+  MakeUnitNormals(kept);
+  bool has_mixed_sides = false;
+  if (change) {
+    MESHFRONT_ASSIGN_OR_RETURN(const Neighbourhoods around, LookAround(kept, context));
+    MESHFRONT_RETURN_IF_ERROR(Drop(around.inliers, "dropped_outliers", change, result));
+    has_mixed_sides = around.has_mixed_sides;
   }
-  if (missing == 0) return result;
-  MESHFRONT_ASSIGN_OR_RETURN(result.undecided_pairs, EstimateNormals(kept, context));
-  result.actions.push_back({"estimated_normals", missing});
+  const auto missing = static_cast<uint64_t>(std::count(kept.normals.begin(), kept.normals.end(), Vec3{}));
+  MESHFRONT_RETURN_IF_ERROR(CheckIsNoLine(kept));
+  result.noise = MeasurePointNoise(kept.positions);
+  MESHFRONT_RETURN_IF_ERROR(CheckIsNoVolume(result.noise, kept.positions.size()));
+  if (missing == 0 && !has_mixed_sides) return result;
+  MESHFRONT_ASSIGN_OR_RETURN(const SideReport sides,
+                             EstimateNormals(kept, result.noise.neighbours, has_mixed_sides, context));
+  result.undecided_pairs = sides.undecided_pairs;
+  if (missing > 0) result.actions.push_back({"estimated_normals", missing});
+  if (sides.turned > 0) result.actions.push_back({"turned_normals", sides.turned});
   return result;
 }
 

@@ -6,6 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/base/context.h"
+#include "core/mesh/point_noise.h"
 #include "core/mesh/repair.h"
 #include "core/mesh/triangle_mesh.h"
 
@@ -17,19 +18,27 @@ struct PointRepair {
   // dropped_duplicate_points    at the place of an earlier one
   // dropped_outliers            far from all others, for how far those are from each other
   // estimated_normals           of the plane through the neighbours, turned to agree with them, or outward
+  // turned_normals              to the side of most, where a part of the neighbours have them on opposite sides
   std::vector<RepairAction> actions;
   // Pairs of neighbours whose normals, as estimated, point apart: where it is not clear which side is which.
   uint64_t undecided_pairs = 0;
+  PointNoise noise;  // of what is left
 };
 
 // With `change` false nothing is dropped: FailedPrecondition where something would have to be, with its place. Normals
-// are estimated in any case. InvalidArgument: fewer than 4 points are left. 3 µs a point, 10 where normals are missing.
+// are estimated in any case. InvalidArgument: fewer than 4 points are left. FailedPrecondition: those left lie on a line,
+// or fill a volume as far as their neighbours tell. 3 µs a point, 10 where normals are missing.
 // Deterministic.
 absl::StatusOr<PointRepair> RepairPoints(TriangleMesh points, bool change, const Context& context);
 
-// Normals of points that have none (zero): normal to the plane that fits the nearest neighbours, on the side of
-// neighbours that have one, else outward, which is the side that encloses a volume. Returns the pairs that remained
-// undecided.
-absl::StatusOr<uint64_t> EstimateNormals(TriangleMesh& points, const Context& context);
+// Normals of points that have none (zero): normal to the plane that fits so many neighbours, 14 at least, on the side of
+// neighbours that have one, else outward, which is the side that encloses a volume. With `turn_given` those that have one
+// are turned as well, in each part to the side of most.
+struct SideReport {
+  uint64_t undecided_pairs = 0;  // of neighbours, that remained on opposite sides
+  uint64_t turned = 0;           // of the normals that were given
+};
+absl::StatusOr<SideReport> EstimateNormals(TriangleMesh& points, size_t plane_neighbours, bool turn_given,
+                                           const Context& context);
 
 }  // namespace meshfront

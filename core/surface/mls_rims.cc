@@ -24,7 +24,16 @@ constexpr double kBeside = 0.2;
 constexpr double kStep = 0.12;     // along a curve, in parts of the support
 constexpr int kOutwardSteps = 12;  // from a sample to the rim
 constexpr double kPassed = 1.0;    // a sample so near to a curve, in parts of its support, begins no other
-constexpr size_t kMaxSteps = 2000000;
+// Of a curve, for each sample that may lie at a rim: along a straight one there are about four to each.
+constexpr size_t kMaxStepsPerSample = 64, kLeastSteps = 20000;
+// Of the places of a curve, how many are compared with the curves before, and how near is the same, in steps.
+constexpr size_t kCompared = 8;
+constexpr double kSameCurve = 0.75;
+// Steps between places that are noted of a curve that is lost.
+constexpr size_t kLostStride = 16;
+// Of a rim in supports as they were before they were widened, and samples of a part that may have a shorter one: a disc of so many has one of seven.
+constexpr double kShortestRim = 4;
+constexpr size_t kLargestWithShortRim = 64;
 constexpr int kCorrections = 8;
 constexpr double kCorrected = 1e-7;  // of the support
 constexpr size_t kHalfWindow = 4;    // steps to either side over which the curve's direction is compared
@@ -91,11 +100,14 @@ std::optional<Frame> GoOutward(const PointSurface& surface, uint32_t sample) {
   return std::nullopt;
 }
 
-// Until it comes back to where it began. False where it is lost.
-absl::StatusOr<bool> Follow(const PointSurface& surface, const Frame& start, RimCurve& curve, const Context& context) {
-  Frame at = start;
+// Until it comes back to where it began; or, where Newton's method led from a side way into the curve, to the place at the
+// last power of two of steps. False where it is lost.
+absl::StatusOr<bool> Follow(const PointSurface& surface, const Frame& start, size_t most_steps, RimCurve& curve,
+                            const Context& context) {
+  Frame at = start, mark = start;
+  size_t marked = 0;
   curve.places.push_back(at.at);
-  for (size_t step = 1; step < kMaxSteps; ++step) {
+  for (size_t step = 1; step < most_steps; ++step) {
     MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
     const double length = kStep * at.support;
     SourcePoint next = at.at;
@@ -106,13 +118,46 @@ absl::StatusOr<bool> Follow(const PointSurface& surface, const Frame& start, Rim
       found = Correct(surface, next);
     }
     if (!found || Distance(found->at.position, at.at.position) > 3 * length) return false;
-    if (step >= kLeastPlaces && Distance(found->at.position, start.at.position) < 0.75 * length &&
-        Dot(found->along, start.along) > 0)
+    const auto is_back = [&](const Frame& frame, size_t since) {
+      return step - since >= kLeastPlaces && Distance(found->at.position, frame.at.position) < 0.75 * length &&
+             Dot(found->along, frame.along) > 0;
+    };
+    if (is_back(start, 0)) return true;
+    if (is_back(mark, marked)) {
+      curve.places.erase(curve.places.begin(), curve.places.begin() + static_cast<std::ptrdiff_t>(marked));
       return true;
+    }
     at = *found;
     curve.places.push_back(at.at);
+    if (step >= kLeastPlaces && (step & (step - 1)) == 0) mark = at, marked = step;
   }
   return false;
+}
+
+// Between samples at random there are places around which few lie to one side, as there is noise: no rim of a part that is
+// larger.
+bool IsGap(const MlsSamples& samples, const RimCurve& curve, size_t part) {
+  double supports = 0;
+  for (const SourcePoint& p : curve.places)
+    supports += samples.radius() * samples.SpacingAt(samples.MembersOf(p.patch)[0]);
+  return part > kLargestWithShortRim &&
+         curve.length < kShortestRim * supports / static_cast<double>(curve.places.size());
+}
+
+// Whether a curve runs along those before it.
+bool IsKnown(const PointSurface& surface, const RimCurve& curve, const std::vector<RimCurve>& known) {
+  size_t near = 0;
+  for (size_t k = 0; k < kCompared; ++k) {
+    const SourcePoint& p = curve.places[k * curve.places.size() / kCompared];
+    const MlsSamples& samples = surface.samples();
+    const double reach = kSameCurve * kStep * samples.samples()[samples.MembersOf(p.patch)[0]].support;
+    near += std::any_of(known.begin(), known.end(), [&](const RimCurve& other) {
+      return std::any_of(other.places.begin(), other.places.end(), [&](const SourcePoint& q) {
+        return SquaredDistance(p.position, q.position) < reach * reach && Dot(p.normal, q.normal) > 0;
+      });
+    });
+  }
+  return 2 * near > kCompared;
 }
 
 void Measure(RimCurve& curve) {
@@ -153,6 +198,11 @@ absl::StatusOr<RimCurves> TraceRims(const PointSurface& surface, const Context& 
   const MlsSamples& samples = surface.samples();
   RimCurves result;
   std::vector<bool> passed(samples.samples().size(), false);
+  const auto count = static_cast<size_t>(std::count(beside.begin(), beside.end(), true));
+  std::vector<size_t> sizes(samples.component_count(), 0);
+  for (uint32_t i = 0; i < beside.size(); ++i)
+    if (samples.ComponentOf(i) != MlsSamples::kStray) ++sizes[samples.ComponentOf(i)];
+  const size_t most_steps = kLeastSteps + kMaxStepsPerSample * count;
   for (uint32_t i = 0; i < beside.size(); ++i) {
     if (!beside[i] || passed[i]) continue;
     MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
@@ -160,7 +210,7 @@ absl::StatusOr<RimCurves> TraceRims(const PointSurface& surface, const Context& 
     const std::optional<Frame> start = GoOutward(surface, i);
     if (!start) continue;
     RimCurve curve;
-    MESHFRONT_ASSIGN_OR_RETURN(const bool closes, Follow(surface, *start, curve, context));
+    MESHFRONT_ASSIGN_OR_RETURN(const bool closes, Follow(surface, *start, most_steps, curve, context));
     for (const SourcePoint& p : curve.places) {
       for (const uint32_t j : samples.ListOf(p.patch)) {
         const double reach = kPassed * samples.samples()[j].support;
@@ -169,10 +219,15 @@ absl::StatusOr<RimCurves> TraceRims(const PointSurface& surface, const Context& 
     }
     if (!closes || curve.places.size() < kLeastPlaces) {
       ++result.lost;
+      for (size_t k = 0; k < curve.places.size(); k += kLostStride)
+        result.lost_places.push_back(curve.places[k].position);
+      result.lost_places.push_back(curve.places.back().position);
       continue;
     }
+    if (IsKnown(surface, curve, result.curves)) continue;
     curve.component = samples.ComponentOf(i);
     Measure(curve);
+    if (IsGap(samples, curve, sizes[curve.component])) continue;
     result.curves.push_back(std::move(curve));
   }
   return result;

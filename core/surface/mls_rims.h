@@ -20,7 +20,8 @@ struct RimCurve {
 
 struct RimCurves {
   std::vector<RimCurve> curves;
-  uint64_t lost = 0;  // that could not be followed until they closed
+  uint64_t lost = 0;              // that could not be followed until they closed
+  std::vector<Vec3> lost_places;  // along them
 };
 
 // All rims, by the first sample beside each. About 20 µs a step of the curves, and 1 µs a sample.

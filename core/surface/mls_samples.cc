@@ -31,7 +31,40 @@ bool AreLinked(const MlsSample& a, const MlsSample& b) { return Dot(a.normal, b.
 
 absl::StatusOr<std::unique_ptr<MlsSamples>> MlsSamples::Create(absl::Span<const Vec3> positions,
                                                                absl::Span<const Vec3> normals, double radius,
-                                                               const Context& context) {
+                                                               const Context& context, size_t neighbours) {
+  return Make(positions, normals, std::vector<double>(positions.size(), 1.0), radius, neighbours, context);
+}
+
+// Smooth in between, so that the surface stays so.
+absl::StatusOr<std::unique_ptr<MlsSamples>> MlsSamples::Widened(absl::Span<const Vec3> places, double factor,
+                                                                double most, const Context& context) const {
+  std::vector<Vec3> normals;
+  for (const MlsSample& s : samples_) normals.push_back(s.normal);
+  std::vector<double> widths = widths_;
+  std::vector<double> shares(widths.size(), places.empty() ? 1 : 0);
+  for (const Vec3& place : places) {
+    const uint32_t nearest = tree_->FindNearest(place, std::numeric_limits<double>::infinity(),
+                                                [&](uint32_t i) { return components_[i] != kStray; });
+    if (nearest == PointTree::kNone) continue;
+    const double reach = kWidenedReach * samples_[nearest].support;
+    Box3 box;
+    box.Extend(place);
+    tree_->VisitNear(
+        box, [&](uint32_t) { return reach; },
+        [&](uint32_t i) {
+          const double t2 = SquaredDistance(positions_[i], place) / (reach * reach);
+          if (t2 < 1) shares[i] = std::max(shares[i], (1 - t2) * (1 - t2));
+        });
+  }
+  for (size_t i = 0; i < widths.size(); ++i)
+    widths[i] = std::min(widths[i] * (1 + (factor - 1) * shares[i]), std::max(widths[i], most / radius_));
+  return Make(positions_, normals, widths, radius_, spacing_neighbours_, context);
+}
+
+absl::StatusOr<std::unique_ptr<MlsSamples>> MlsSamples::Make(absl::Span<const Vec3> positions,
+                                                             absl::Span<const Vec3> normals,
+                                                             absl::Span<const double> widths, double radius,
+                                                             size_t neighbours, const Context& context) {
   if (positions.size() < kLeastMlsSamples || positions.size() != normals.size()) {
     return absl::InvalidArgumentError(absl::StrCat("the point set has ", positions.size(), " points and ",
                                                    normals.size(), " normals; it must have at least ", kLeastMlsSamples,
@@ -43,12 +76,14 @@ absl::StatusOr<std::unique_ptr<MlsSamples>> MlsSamples::Create(absl::Span<const 
   }
   std::unique_ptr<MlsSamples> made(new MlsSamples);
   made->radius_ = radius;
+  made->spacing_neighbours_ = neighbours;
   made->samples_.reserve(positions.size());
   made->positions_.reserve(positions.size());
   const PointTree tree(positions);
   for (const uint32_t i : tree.order()) {
     made->samples_.push_back({positions[i], normals[i], 0, 0});
     made->positions_.push_back(positions[i]);
+    made->widths_.push_back(widths[i]);
   }
   made->tree_ = std::make_unique<PointTree>(made->positions_);
   MESHFRONT_RETURN_IF_ERROR(made->MeasureSpacing(context));
@@ -61,6 +96,7 @@ absl::StatusOr<std::unique_ptr<MlsSamples>> MlsSamples::Create(absl::Span<const 
 // side of a thin sheet only the others count.
 absl::Status MlsSamples::MeasureSpacing(const Context& context) {
   const size_t n = samples_.size(), k = std::min<size_t>(kSpacingNeighbours, n - 1);
+  const size_t counted = std::clamp<size_t>(spacing_neighbours_, k, n - 1);
   std::vector<uint32_t>& neighbours = neighbours_;
   neighbours.resize(n * k);
   neighbours_each_ = k;
@@ -68,11 +104,11 @@ absl::Status MlsSamples::MeasureSpacing(const Context& context) {
   MESHFRONT_RETURN_IF_ERROR(ParallelFor(n, kGrain, context, [&](size_t begin, size_t end) {
     std::vector<std::pair<double, uint32_t>> found;
     for (size_t i = begin; i < end; ++i) {
-      tree_->FindNearest(positions_[i], k + 1, found);
+      tree_->FindNearest(positions_[i], counted + 1, found);
       size_t at = 0, agreeing = 0;
       for (const auto& [distance, j] : found) {
-        if (j == i || at == k) continue;
-        neighbours[i * k + at++] = j;
+        if (j == i) continue;
+        if (at < k) neighbours[i * k + at++] = j;
         agreeing += AreLinked(samples_[i], samples_[j]);
       }
       areas_[i] = kPi * found.back().first / static_cast<double>(std::max<size_t>(agreeing, 1));
@@ -82,7 +118,7 @@ absl::Status MlsSamples::MeasureSpacing(const Context& context) {
   for (size_t i = 0; i < n; ++i) {
     double sum = std::sqrt(areas_[i]);
     for (size_t at = 0; at < k; ++at) sum += std::sqrt(areas_[neighbours[i * k + at]]);
-    samples_[i].support = radius_ * sum / static_cast<double>(k + 1);
+    samples_[i].support = widths_[i] * radius_ * sum / static_cast<double>(k + 1);
   }
   for (uint32_t i = 0; i < n; ++i) {
     for (size_t at = 0; at < k; ++at) {
@@ -104,7 +140,7 @@ void MlsSamples::NumberComponents(UnionFind& sets) {
   components_.resize(n);
   for (uint32_t i = 0; i < n; ++i) {
     const uint32_t root = sets.Find(i);  // the smallest
-    if (sizes[root] < kLeastComponent) {
+    if (sizes[root] < std::max(kLeastComponent, spacing_neighbours_ / kNeighboursPerLeast)) {
       components_[i] = kStray, samples_[i].support = 0, areas_[i] = 0;
       ++stray_count_;
     } else {

@@ -30,17 +30,23 @@ static_assert(sizeof(MlsSample) == 64);  // one cache line
 // as a place stays within the margin. About 200 bytes a point.
 class MlsSamples {
  public:
-  // As many positions as normals of unit length, no two positions the same; `radius` in local spacings, > 0.
+  // As many positions as normals of unit length, no two positions the same; `radius` in local spacings, > 0, which are
+  // measured among so many neighbours: more than 12 where the points lie in a cloud around the surface.
   // InvalidArgument: fewer than 4 points, a place or normal that is not finite. 2 µs a point and core.
   static absl::StatusOr<std::unique_ptr<MlsSamples>> Create(absl::Span<const Vec3> positions,
                                                             absl::Span<const Vec3> normals, double radius,
-                                                            const Context& context);
+                                                            const Context& context, size_t neighbours = 12);
+  // The same samples with supports that are wider: by `factor` at the places and less within some supports of them, or
+  // everywhere where there are no places; but never wider than `most` spacings.
+  absl::StatusOr<std::unique_ptr<MlsSamples>> Widened(absl::Span<const Vec3> places, double factor, double most,
+                                                      const Context& context) const;
 
   absl::Span<const MlsSample> samples() const { return samples_; }
   // The part of the surface's area that each stands for, and the distance between samples where they are as dense as
   // there.
   absl::Span<const double> areas() const { return areas_; }
-  double SpacingAt(uint32_t sample) const { return samples_[sample].support / radius_; }
+  double SpacingAt(uint32_t sample) const { return samples_[sample].support / (radius_ * widths_[sample]); }
+  double radius() const { return radius_; }
   const Box3& box() const { return tree_->nodes()[0].box; }
 
   uint32_t patch_count() const { return static_cast<uint32_t>(patches_.size()); }
@@ -74,6 +80,10 @@ class MlsSamples {
     uint32_t listed_count = 0;
   };
   MlsSamples() = default;
+  static absl::StatusOr<std::unique_ptr<MlsSamples>> Make(absl::Span<const Vec3> positions,
+                                                          absl::Span<const Vec3> normals,
+                                                          absl::Span<const double> widths, double radius,
+                                                          size_t neighbours, const Context& context);
   absl::Status MeasureSpacing(const Context& context);
   void NumberComponents(UnionFind& sets);
   void MakePatches();
@@ -82,7 +92,9 @@ class MlsSamples {
   absl::Status ListPatches(const Context& context);
 
   double radius_ = 0;
+  size_t spacing_neighbours_ = 0;
   std::vector<MlsSample> samples_;
+  std::vector<double> widths_;   // of the supports, in parts of the radius; 1 where nothing was widened
   std::vector<Vec3> positions_;  // the same, as the tree wants them
   std::vector<double> areas_;
   std::unique_ptr<PointTree> tree_;

@@ -72,6 +72,10 @@ inline constexpr double kSamePatch = 0.5, kLikeNormal = 0.0, kPatchMargin = 0.25
 // Neighbours are on one sheet when the cosine between their normals is above this (an edge of 32° between its faces still is one), and
 // opposed samples belong together when the way from one to the other is at most so many supports long.
 inline constexpr double kLinked = -0.85, kMostWayPerSupport = 1.5;
+// Where spacings are measured among more neighbours, parts of fewer than this part of them are no parts.
+inline constexpr size_t kNeighboursPerLeast = 4;
+// How far around a place supports are widened, in supports.
+inline constexpr double kWidenedReach = 6;
 // Of the support: a step of Newton's method below this is the last, as the next would be its square; and of the residual, how far its
 // tangential part may be from a foot's.
 inline constexpr double kLastMlsStep = 1e-4, kFootResidual = 1e-2;

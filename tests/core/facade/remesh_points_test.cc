@@ -1,6 +1,9 @@
 // Point sets through the facade: closed surfaces of the right genus, about as many triangles as predicted, the same
 // bits again.
+#include <algorithm>
 #include <cmath>
+#include <random>
+#include <string>
 
 #include "core/remesh.h"
 #include "tests/support/checking_sink.h"
@@ -70,6 +73,16 @@ TEST(RemeshPoints, FindsEveryPart) {
   EXPECT_EQ(report->output.components, 2u);
 }
 
+// A bowl and a ball so near to it that their samples are one part: the front from the bowl's rim covers the bowl alone.
+TEST(RemeshPoints, CoversWhatTheFirstFrontsLeave) {
+  TriangleMesh points = Sampled(Joined(Hemisphere(4), Moved(Icosphere(4), {0, 0, 2.0})), 12000);
+  CheckingSink sink;
+  const auto report = RemeshPoints(points, {}, sink);
+  ASSERT_THAT(report, IsOk());
+  const Box3 box = BoundingBox(points), made = BoundingBox(sink.mesh());
+  EXPECT_LE(Distance(box.min, made.min) + Distance(box.max, made.max), 0.15);
+}
+
 // One loop around each place where the samples end, which lies within a spacing or so of the rim that was sampled.
 TEST(RemeshPoints, KeepsRimsOpen) {
   const std::vector<std::pair<TriangleMesh, int>> cases = {
@@ -112,6 +125,67 @@ TEST(RemeshPoints, NeedsNoNormals) {
   EXPECT_EQ(report->input.repairs[0].what, "estimated_normals");
 }
 
+// Points off a unit sphere, without normals.
+TriangleMesh NoisySphere(size_t count, double deviation) {
+  TriangleMesh points = Sampled(Icosphere(4), count);
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> off(1, deviation);
+  for (Vec3& x : points.positions) x = off(random) * Normalized(x);
+  points.normals.clear();
+  return points;
+}
+
+bool Mentions(const std::vector<std::string>& warnings, const std::string& words) {
+  return std::any_of(warnings.begin(), warnings.end(),
+                     [&](const std::string& w) { return w.find(words) != std::string::npos; });
+}
+
+TEST(RemeshPoints, SeesPastNoise) {
+  CheckingSink sink;
+  const auto report = RemeshPoints(NoisySphere(6000, 0.05), {}, sink);
+  ASSERT_THAT(report, IsOk());
+  EXPECT_THAT(sink.mesh(), IsClosedManifold());
+  EXPECT_EQ(report->output.components, 1u);
+  EXPECT_EQ(report->output.genus, 0);
+  EXPECT_GT(report->parameters.options.mls_radius, 4);
+  EXPECT_TRUE(Mentions(report->warnings, "mls_radius"));
+  double square = 0;
+  for (const Vec3& x : sink.mesh().positions) square += (Norm(x) - 1) * (Norm(x) - 1);
+  EXPECT_LE(std::sqrt(square / static_cast<double>(sink.mesh().positions.size())), 0.02);
+}
+
+// Where few samples lie to one side of a small gap is no rim.
+TEST(RemeshPoints, DoesNotTakeGapsBetweenSamplesForRims) {
+  TriangleMesh points = Sampled(Torus(1, 0.4, 60, 24), 8000);
+  // Empty: a disc of two spacings.
+  for (const Vec3& hole : {Vec3{1.4, 0, 0}, Vec3{-1.4, 0, 0}, Vec3{0, 1, 0.4}}) {
+    for (size_t i = points.positions.size(); i-- > 0;) {
+      if (Distance(points.positions[i], hole) > 0.09) continue;
+      points.positions.erase(points.positions.begin() + static_cast<std::ptrdiff_t>(i));
+      points.normals.erase(points.normals.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+  }
+  CheckingSink sink;
+  const auto report = RemeshPoints(points, {}, sink);
+  ASSERT_THAT(report, IsOk());
+  EXPECT_THAT(sink.mesh(), IsClosedManifold());
+  EXPECT_EQ(report->output.genus, 1);
+}
+
+TEST(RemeshPoints, WidensSupportsThatSeeTooFew) {
+  TriangleMesh points = Sampled(Icosphere(4), 3000);
+  points.normals = points.positions;
+  for (Vec3& n : points.normals) n = Normalized(n);
+  RemeshOptions options;
+  options.mls_radius = 2;
+  CheckingSink sink;
+  const auto report = RemeshPoints(points, options, sink);
+  ASSERT_THAT(report, IsOk());
+  EXPECT_TRUE(report->complete);
+  EXPECT_THAT(sink.mesh(), HasNoSelfIntersection());
+  EXPECT_TRUE(Mentions(report->warnings, "supports were widened"));
+}
+
 TEST(RemeshPoints, KeepsToTheCountWanted) {
   for (const Sizing sizing : {Sizing::kAngle, Sizing::kError, Sizing::kUniform}) {
     RemeshOptions options;
@@ -146,13 +220,11 @@ TEST(RemeshPoints, SaysWhatItCanNotTake) {
 
 TEST(RemeshPoints, SaysWhenPointsAreNoSurface) {
   TriangleMesh points;
-  for (int i = 0; i < 200; ++i) {
-    points.positions.push_back({std::cos(0.7 * i), std::sin(1.3 * i), std::sin(2.1 * i)});
-    points.normals.push_back(i % 2 == 0 ? Vec3{0, 0, 1} : Vec3{0, 0, -1});
-  }
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> along(-1, 1);
+  for (int i = 0; i < 1000; ++i) points.positions.push_back({along(random), along(random), along(random)});
   CheckingSink sink;
-  const auto report = RemeshPoints(points, {}, sink);
-  EXPECT_TRUE(!report.ok() || !report->complete);
+  EXPECT_THAT(RemeshPoints(points, {}, sink), StatusIs(absl::StatusCode::kFailedPrecondition, "volume"));
 }
 
 TEST(EstimateRemesh, PredictsTheTrianglesOfAPointSet) {

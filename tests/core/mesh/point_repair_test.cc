@@ -70,15 +70,50 @@ TEST(RepairPoints, TakesTheSideOfNormalsThatAreThere) {
   for (size_t i = 0; i < 4000; ++i) EXPECT_LT(Dot(points.positions[i], repaired->points.normals[i]), 0);
 }
 
-// A heap of points has no sides.
+TEST(RepairPoints, TurnsNormalsToTheSideOfMost) {
+  TriangleMesh points = testing::Sampled(testing::Torus(1, 0.4, 60, 24), 6000);
+  const std::vector<Vec3> normals = points.normals;
+  uint64_t turned = 0;
+  for (size_t i = 0; i < 6000; ++i) {
+    if (i % 5 == 0 || points.positions[i].x > 0.9) points.normals[i] = -points.normals[i], ++turned;
+  }
+  const auto repaired = RepairPoints(points, true, Context{});
+  ASSERT_THAT(repaired, IsOk());
+  EXPECT_EQ(ActionsOf(*repaired)["turned_normals"], turned);
+  EXPECT_EQ(repaired->points.normals, normals);
+  const auto left_alone = RepairPoints(points, false, Context{});
+  ASSERT_THAT(left_alone, IsOk());
+  EXPECT_EQ(left_alone->points.normals, points.normals);
+}
+
+// Sheets a spacing apart, whose cosines say that they are on opposite sides.
+TEST(RepairPoints, KeepsTheSidesOfThinPlatesApart) {
+  const TriangleMesh points = testing::Sampled(testing::ThinSlab(40, 0.02), 40000);
+  EXPECT_THAT(RepairPoints(points, true, Context{})->actions, ::testing::IsEmpty());
+}
+
+// A Möbius band has one side.
 TEST(RepairPoints, SaysWhereSidesAreNotClear) {
-  TriangleMesh points = testing::Sampled(testing::Icosphere(3), 4000);
-  for (size_t i = 0; i < points.positions.size(); ++i)
-    points.positions[i] *= std::fmod(0.618 * static_cast<double>(i), 1.0);
-  points.normals.clear();
+  TriangleMesh points;
+  for (int i = 0; i < 200; ++i) {
+    for (int j = 0; j < 9; ++j) {
+      const double a = 2 * M_PI * i / 200, r = 1 + 0.03 * (j - 4) * std::cos(0.5 * a);
+      points.positions.push_back({r * std::cos(a), r * std::sin(a), 0.03 * (j - 4) * std::sin(0.5 * a)});
+    }
+  }
   const auto repaired = RepairPoints(points, true, Context{});
   ASSERT_THAT(repaired, IsOk());
   EXPECT_GT(repaired->undecided_pairs, 0u);
+}
+
+TEST(RepairPoints, RefusesLinesAndVolumes) {
+  TriangleMesh line, volume = testing::Sampled(testing::Icosphere(3), 4000);
+  for (int i = 0; i < 100; ++i) line.positions.push_back({0.1 * i, 0.3 * i, 1 - 0.2 * i});
+  EXPECT_THAT(RepairPoints(line, true, Context{}), StatusIs(absl::StatusCode::kFailedPrecondition, "on a line"));
+  for (size_t i = 0; i < volume.positions.size(); ++i)
+    volume.positions[i] *= std::cbrt(std::fmod(0.618 * static_cast<double>(i), 1.0));
+  volume.normals.clear();
+  EXPECT_THAT(RepairPoints(volume, true, Context{}), StatusIs(absl::StatusCode::kFailedPrecondition, "volume"));
 }
 
 }  // namespace

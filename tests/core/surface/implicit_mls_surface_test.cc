@@ -153,6 +153,24 @@ TEST(MlsSamples, TellHowDenseTheyAre) {
   EXPECT_NEAR(surface->samples().SpacingAt(17), std::sqrt(4 * M_PI / 10242), 0.01);
 }
 
+TEST(MlsSamples, WidenSupportsAroundPlacesOrEverywhere) {
+  const auto surface = Sphere();
+  const MlsSamples& before = surface->samples();
+  const Vec3 place{0, 0, 1};
+  const auto near = before.Widened({&place, 1}, 1.5, 16, Context{}), all = before.Widened({}, 1.5, 16, Context{});
+  const auto bounded = before.Widened({}, 9, 5, Context{});
+  ASSERT_TRUE(near.ok() && all.ok() && bounded.ok());
+  const auto support = [](const MlsSamples& samples, const Vec3& x) {
+    return samples.samples()[samples.NearestLike(x, x)].support;
+  };
+  EXPECT_NEAR(support(**near, place), 1.5 * support(before, place), 0.01 * support(before, place));
+  EXPECT_DOUBLE_EQ(support(**near, -place), support(before, -place));
+  EXPECT_NEAR(support(**all, -place), 1.5 * support(before, -place), 1e-12);
+  EXPECT_NEAR(support(**bounded, place), 5.0 / 4 * support(before, place), 1e-12);
+  const uint32_t at = (*all)->NearestLike(place, place);
+  EXPECT_NEAR((*all)->SpacingAt(at), support(before, place) / 4, 1e-12);
+}
+
 TEST(MlsSamples, CountPartsAndLeaveStraysOut) {
   TriangleMesh points = testing::Sampled(testing::TwoSpheres(3), 4000);
   for (int i = 0; i < 5; ++i) {
