@@ -48,6 +48,8 @@ class RemeshObserver {
   virtual void OnAccepted(const v1::Accepted&) {}
   virtual void OnProgress(const v1::Progress&) {}
   virtual void OnDefect(const v1::Defect&) {}
+  // The chunks so far are a whole level of detail, of which more follow: those after this are the next one's.
+  virtual void OnLevelEnd(const v1::Summary&) {}
   // Faces of the input that the result has not any more (Region.patch_only), in increasing order and in pieces.
   virtual void OnRemovedFaces(absl::Span<const uint32_t>) {}
   // A verified piece of the result; the spans hold during the call. A status that is not OK ends the RPC and is returned.
@@ -70,6 +72,9 @@ class RemeshClient {
   // Returns the Summary, which is the commit mark: without it the result is to be thrown away. DataLoss when the stream is
   // damaged or ends without a Summary or with one that does not fit the chunks.
   absl::StatusOr<v1::Summary> Remesh(TriangleMesh mesh, const CallOptions& call, RemeshObserver& observer);
+  // The same with call.options.lod_rhos: as many summaries as there are levels, in their order. Without the last of them nothing is whole.
+  absl::StatusOr<std::vector<v1::Summary>> RemeshLevels(TriangleMesh mesh, const CallOptions& call,
+                                                        RemeshObserver& observer);
   absl::StatusOr<v1::EstimateResponse> Estimate(TriangleMesh mesh, const CallOptions& call);
   absl::StatusOr<v1::GetCapabilitiesResponse> GetCapabilities(absl::Time deadline = absl::InfiniteFuture());
 

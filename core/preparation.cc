@@ -190,7 +190,7 @@ absl::Status MakeField(Preparation& p, const Context& context) {
   if (p.points)
     p.point_builder = std::make_unique<PointFieldBuilder>(*p.points, p.rims, limits);
   else
-    p.builder = std::make_unique<FieldBuilder>(*p.surface, limits);
+    p.builder = std::make_shared<FieldBuilder>(*p.surface, limits);
   const std::optional<uint64_t> count = std::exchange(options.target_triangles, std::nullopt);
   p.parameters.target_triangles = count.value_or(0);
   if (!count) p.parameter = ParameterOf(options, p);
@@ -331,8 +331,27 @@ absl::StatusOr<RepairResult> RepairInputOfRegion(TriangleMesh mesh, const Contex
   return StatusOfException();
 }
 
+namespace {
+
+absl::Status SetLoops(Preparation& p, const Context& context) {
+  if (p.points) {
+    p.loops = RimLoops(*p.points, p.rims, *p.field);
+    return absl::OkStatus();
+  }
+  MESHFRONT_ASSIGN_OR_RETURN(p.loops, BoundaryLoops(*p.surface, *p.field, MaxSagitta(p), context));
+  return absl::OkStatus();
+}
+
+}  // namespace
+
 absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {
   MESHFRONT_RETURN_IF_ERROR(ValidateOptions(problem.options));
+  if (!problem.options.lod_rhos.empty()) {
+    if (problem.region) {
+      return absl::InvalidArgumentError("options.region is set beside options.lod_rhos; they exclude one another");
+    }
+    problem.options.rho = std::exchange(problem.options.lod_rhos, {}).front();
+  }
   if (IsMeshedAsPoints(problem)) return PreparePoints(std::move(problem), context);
   const RemeshOptions options = problem.options;
   Preparation p;
@@ -361,7 +380,7 @@ absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {
   p.seconds.guidance = watch.Lap();
 
   context.Report({Stage::kFeatures});
-  MESHFRONT_ASSIGN_OR_RETURN(p.loops, BoundaryLoops(*p.surface, *p.field, MaxSagitta(p), context));
+  MESHFRONT_RETURN_IF_ERROR(SetLoops(p, context));
   p.seeds = p.surface->Seeds();
   p.seconds.features = watch.Lap();
   return p;
@@ -374,11 +393,21 @@ absl::Status PrepareAgain(absl::Span<const Vec3> finer_at, std::optional<uint64_
     p.points ? p.point_builder->AddSample(sample) : p.builder->AddSample(sample);
   }
   MESHFRONT_RETURN_IF_ERROR(SetField(count, p, context));
-  if (p.points) {
-    p.loops = RimLoops(*p.points, p.rims, *p.field);
-    return absl::OkStatus();
-  }
-  MESHFRONT_ASSIGN_OR_RETURN(p.loops, BoundaryLoops(*p.surface, *p.field, MaxSagitta(p), context));
+  return SetLoops(p, context);
+}
+
+absl::Status LevelStart::Prepare(double rho, Preparation& p, const Context& context) const {
+  Stopwatch watch;
+  p.surface = surface_, p.builder = builder_, p.seeds = seeds_, p.parameters = parameters_;
+  p.points ? p.point_builder->ClearAddedSamples() : p.builder->ClearAddedSamples();
+  p.parameter = p.parameters.options.rho = rho;
+  p.seconds = {};
+  context.Report({Stage::kGuidance});
+  MESHFRONT_RETURN_IF_ERROR(SetField(std::nullopt, p, context));
+  p.seconds.guidance = watch.Lap();
+  context.Report({Stage::kFeatures});
+  MESHFRONT_RETURN_IF_ERROR(SetLoops(p, context));
+  p.seconds.features = watch.Lap();
   return absl::OkStatus();
 }
 

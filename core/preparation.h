@@ -25,11 +25,11 @@ struct Preparation {
   ParametersInForce parameters;
   std::unique_ptr<RegionParts> region;     // none: the surface is that of all
   std::optional<RegionReport> everything;  // where a region was asked for that is all of the mesh
-  std::unique_ptr<MeshSurface> surface;    // of what is to be meshed; null for a point set
+  std::shared_ptr<MeshSurface> surface;    // of what is to be meshed; null for a point set
   MeshAttributes attributes;               // of the surface's faces; none with a region
   bool has_flat_normals = false;           // the attribute's are those of flat faces
   bool drops_attributes = false;           // there were some, and a region
-  std::unique_ptr<FieldBuilder> builder;
+  std::shared_ptr<FieldBuilder> builder;
   std::unique_ptr<ImplicitMlsSurface> points;  // of a point set; null for a mesh
   std::unique_ptr<PointFieldBuilder> point_builder;
   std::vector<RimCurve> rims;  // of the point set
@@ -59,5 +59,22 @@ absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context);
 // of triangles, where one is given. The errors of Remesh.
 absl::Status PrepareAgain(absl::Span<const Vec3> finer_at, std::optional<uint64_t> count, Preparation& preparation,
                           const Context& context);
+
+// A preparation as it is before the first attempt, so that every level of detail begins there. Cheap: the surface is shared.
+class LevelStart {
+ public:
+  explicit LevelStart(const Preparation& p)
+      : surface_(p.surface), builder_(p.builder), seeds_(p.seeds), parameters_(p.parameters) {}
+
+  // Surface, seeds and options as they were, with another rho, and the field and the initial fronts for it: those that a problem with
+  // that rho has, if it is larger than all before. `seconds` of the preparation are of this alone. The errors of Remesh.
+  absl::Status Prepare(double rho, Preparation& preparation, const Context& context) const;
+
+ private:
+  std::shared_ptr<MeshSurface> surface_;
+  std::shared_ptr<FieldBuilder> builder_;
+  std::vector<SourcePoint> seeds_;
+  ParametersInForce parameters_;
+};
 
 }  // namespace meshfront

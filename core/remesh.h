@@ -44,6 +44,9 @@ struct RemeshOptions {
   // Solves for the one parameter of the sizing (rho, max_error or edge_length, which must not be set then; rho's value is
   // ignored) so that about this many triangles come out, ≥ 4.
   std::optional<uint64_t> target_triangles;
+  // Levels of detail: the rho of each, growing, at most 16; with Sizing::kAngle and Sizing::kThickness and without target_triangles
+  // and region. For RemeshLevels alone. Empty: one mesh with `rho`, whose value is ignored else.
+  std::vector<double> lod_rhos;
   std::optional<Length> min_edge;  // clamp of the edge length
   std::optional<Length> max_edge;
   // Edges across which the surface turns by more than this are kept as creases: degrees, (0, 180); none: nothing is.
@@ -60,6 +63,7 @@ struct RemeshOptions {
   double mls_radius = 4;  // radius of a sample's weight in local spacings, [2, 16]; of point sets
   bool repair = true;     // mend the input first, each change reported; false: refuse what would need it
 };
+inline constexpr size_t kMaxLevels = 16;
 // InvalidArgument naming the field, the value and the rule, e.g. "options.eta is 2.5; it must be in (1, 2)".
 absl::Status ValidateOptions(const RemeshOptions& options);
 
@@ -131,6 +135,20 @@ struct Report {
 // creases, the beginning of the output, or all of it, is held back, to be made again where it came out wrong (attempts.h); else all
 // comes as it settles.
 absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& context);
+
+// Where the meshes of RemeshLevels go, one after the other. Implemented by the server and by tests.
+class LevelSink {
+ public:
+  virtual ~LevelSink() = default;
+  // The sink of the next level, the one with the smallest rho first; it stays until EndLevel.
+  virtual MeshSink& BeginLevel() = 0;
+  // The level is whole. A status that is not OK ends the job and is returned.
+  virtual absl::Status EndLevel(const Report& report) = 0;
+};
+
+// A mesh for each of options.lod_rhos: repair, index, curvature and creases are made once, the field, the fronts and a report for each.
+// Each is the mesh that Remesh makes with that rho. The errors of Remesh; with one, those levels that are whole are no chain.
+absl::Status RemeshLevels(Problem problem, LevelSink& sink, const Context& context);
 
 struct Estimate {
   InputReport input;

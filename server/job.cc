@@ -157,6 +157,42 @@ absl::Status SendRemovedFaces(const Job& job, const std::vector<uint32_t>& faces
   return absl::OkStatus();
 }
 
+// The end of a mesh: what is left of it, and its summary, which is the commit mark where it is the last.
+absl::Status SendSummary(Job& job, const ParsedInput& input, const JobTimes& times, StreamSink& sink,
+                         const Report& report, uint32_t level) {
+  MESHFRONT_RETURN_IF_ERROR(sink.Flush());
+  if (report.region) MESHFRONT_RETURN_IF_ERROR(SendRemovedFaces(job, report.region->removed_faces));
+  job.summary = SummaryFromReport(report);
+  job.summary.set_level(level);
+  FillCommon(input, job.summary);
+  FillSummary(job, times, sink, job.summary);
+  v1::MeshEvent event;
+  *event.mutable_summary() = job.summary;
+  return job.events->Push(std::move(event));
+}
+
+// Streams one level after the other, each with its own chunks and summary.
+class LevelStream : public LevelSink {
+ public:
+  // `times`: of the first level, `done` open. All outlive it.
+  LevelStream(Job& job, const ParsedInput& input, JobTimes times) : job_(job), input_(input), times_(times) {}
+
+  MeshSink& BeginLevel() override { return sink_.emplace(*job_.events, job_.output); }
+  absl::Status EndLevel(const Report& report) override {
+    times_.done = absl::Now();
+    MESHFRONT_RETURN_IF_ERROR(SendSummary(job_, input_, times_, *sink_, report, level_++));
+    times_.parsed = absl::Now();
+    return absl::OkStatus();
+  }
+
+ private:
+  Job& job_;
+  const ParsedInput& input_;
+  JobTimes times_;
+  std::optional<StreamSink> sink_;
+  uint32_t level_ = 0;
+};
+
 absl::Status RemeshBody(ServiceState& state, Job& job) {
   JobTimes times;
   times.started = absl::Now();
@@ -165,19 +201,16 @@ absl::Status RemeshBody(ServiceState& state, Job& job) {
   const Context context = ContextOf(state, job, times.started);
   MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
   MESHFRONT_RETURN_IF_ERROR(AnnounceDefects(job, input.mesh));
+  Problem problem{std::move(input.mesh), job.options, std::move(input.region)};
+  if (!job.options.lod_rhos.empty()) {
+    LevelStream levels(job, input, times);
+    MESHFRONT_RETURN_IF_ERROR(state.engine.remesh_levels(std::move(problem), levels, context));
+    return job.events->Drain();
+  }
   StreamSink sink(*job.events, job.output);
-  MESHFRONT_ASSIGN_OR_RETURN(
-      const Report report,
-      state.engine.remesh({std::move(input.mesh), job.options, std::move(input.region)}, sink, context));
+  MESHFRONT_ASSIGN_OR_RETURN(const Report report, state.engine.remesh(std::move(problem), sink, context));
   times.done = absl::Now();
-  MESHFRONT_RETURN_IF_ERROR(sink.Flush());
-  if (report.region) MESHFRONT_RETURN_IF_ERROR(SendRemovedFaces(job, report.region->removed_faces));
-  job.summary = SummaryFromReport(report);
-  FillCommon(input, job.summary);
-  FillSummary(job, times, sink, job.summary);
-  v1::MeshEvent event;
-  *event.mutable_summary() = job.summary;
-  MESHFRONT_RETURN_IF_ERROR(job.events->Push(std::move(event)));
+  MESHFRONT_RETURN_IF_ERROR(SendSummary(job, input, times, sink, report, 0));
   return job.events->Drain();
 }
 

@@ -72,6 +72,9 @@ void AddRemesh(CLI::App* program, RemeshArguments* arguments) {
   command->add_option("IN", arguments->in, "OFF OBJ PLY STL GLB glTF XYZ, or - for standard input")->required();
   command->add_option("OUT", arguments->out, "OFF OBJ PLY STL GLB glTF, or - for standard output")->required();
   AddMeshingFlags(command, &arguments->meshing);
+  command->add_option("--lod", arguments->meshing.lod,
+                      "levels of detail, by growing values of rho (0.3,0.8,1.5): one glTF (MSFT_lod), else "
+                      "OUT.lod0, OUT.lod1, …");
   AddCallFlags(command, &arguments->call);
   command->add_option("--out-format", arguments->call.out_format, "format of OUT when it is -");
   command->add_option("--stats", arguments->stats, "write what was done, and how well, as JSON");

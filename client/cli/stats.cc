@@ -142,6 +142,16 @@ Json StatsJson(const std::string& version, const v1::Summary& summary, const Cli
   return stats;
 }
 
+Json LevelJson(const std::string& file, const v1::Summary& summary, const ClientFigures& client) {
+  Json level = StatsJson("", summary, client);
+  for (const char* const key :
+       {"version", "command", "input", "peak_rss_bytes", "threads", "server_peak_rss_bytes", "server_version"})
+    level.erase(key);
+  for (const char* const key : {"read", "upload", "queued", "write", "total"}) level["seconds"].erase(key);  // of all
+  level["file"] = file;
+  return level;
+}
+
 Json EstimateJson(const v1::EstimateResponse& estimate) {
   const v1::EdgeLengths& edges = estimate.edge_length();
   return {{"predicted_triangles", estimate.predicted_triangles()},

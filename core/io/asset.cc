@@ -206,12 +206,12 @@ std::string GltfOf(const GltfDocument& document) {
                 absl::Base64Escape(document.buffer), "\",", document.json_after_uri, "\n");
 }
 
-absl::StatusOr<std::string> FormatInGltf(const TriangleMesh& mesh, Format format, const MeshAsset& asset,
+absl::StatusOr<std::string> FormatInGltf(absl::Span<const DetailLevel> levels, Format format, const MeshAsset& asset,
                                          std::vector<std::string>& left_out) {
-  const GltfAsset plain = asset.gltf == nullptr ? PlainGltfAsset(mesh, asset.group_names) : GltfAsset();
+  const GltfAsset plain = asset.gltf == nullptr ? PlainGltfAsset(*levels.front().mesh, asset.group_names) : GltfAsset();
   if (!asset.material_libraries.empty()) Note(left_out, "textures and colours of the material libraries");
   MESHFRONT_ASSIGN_OR_RETURN(const GltfDocument document,
-                             FormatGltf(mesh, asset.gltf == nullptr ? plain : *asset.gltf, left_out));
+                             FormatGltf(levels, asset.gltf == nullptr ? plain : *asset.gltf, left_out));
   return format == Format::kGlb ? GlbOf(document) : GltfOf(document);
 }
 
@@ -232,7 +232,8 @@ std::vector<std::string> FilesBeside(const MeshAsset& asset) {
 absl::StatusOr<std::string> FormatAsset(const TriangleMesh& mesh, Format format, const MeshAsset& asset,
                                         std::vector<std::string>& left_out) {
   MESHFRONT_RETURN_IF_ERROR(ValidateAttributes(mesh.attributes, mesh.triangles.size()));
-  if (format == Format::kGlb || format == Format::kGltf) return FormatInGltf(mesh, format, asset, left_out);
+  const DetailLevel level{&mesh};
+  if (format == Format::kGlb || format == Format::kGltf) return FormatInGltf({&level, 1}, format, asset, left_out);
   NoteAsset(asset, left_out);
   StringSink sink;
   Output output(sink);
@@ -244,6 +245,15 @@ absl::StatusOr<std::string> FormatAsset(const TriangleMesh& mesh, Format format,
     return FormatMesh(mesh, format);
   MESHFRONT_RETURN_IF_ERROR(output.Finish());
   return sink.Take();
+}
+
+absl::StatusOr<std::string> FormatLevels(absl::Span<const DetailLevel> levels, Format format, const MeshAsset& asset,
+                                         std::vector<std::string>& left_out) {
+  if (levels.empty() || (format != Format::kGlb && format != Format::kGltf))
+    return absl::InvalidArgumentError("levels of detail in one file are for GLB and glTF, and at least one");
+  for (const DetailLevel& level : levels)
+    MESHFRONT_RETURN_IF_ERROR(ValidateAttributes(level.mesh->attributes, level.mesh->triangles.size()));
+  return FormatInGltf(levels, format, asset, left_out);
 }
 
 }  // namespace meshfront

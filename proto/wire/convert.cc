@@ -73,6 +73,7 @@ absl::Status CheckSizing(const v1::RemeshOptions& o) {
   const v1::Sizing sizing = SizingOf(o);
   const v1::Sizing by_rho = sizing == v1::SIZING_THICKNESS ? v1::SIZING_THICKNESS : v1::SIZING_ANGLE;
   const Parameter parameters[] = {{"rho", o.has_rho(), by_rho},
+                                  {"lod_rhos", !o.lod_rhos().empty(), by_rho},
                                   {"max_error", o.has_max_error(), v1::SIZING_ERROR},
                                   {"edge_length", o.has_edge_length(), v1::SIZING_UNIFORM},
                                   {"target_triangles", o.has_target_triangles(), sizing}};
@@ -172,6 +173,7 @@ absl::StatusOr<std::optional<double>> CreaseFromProto(const v1::Crease& proto) {
 absl::StatusOr<RemeshOptions> ToCore(const v1::RemeshOptions& proto) {
   RemeshOptions o;
   if (proto.has_rho()) o.rho = proto.rho();
+  o.lod_rhos.assign(proto.lod_rhos().begin(), proto.lod_rhos().end());
   if (proto.has_eta()) o.eta = proto.eta();
   o.sizing = SizingFromProto(SizingOf(proto));
   if (proto.has_max_error()) {
@@ -215,6 +217,9 @@ absl::StatusOr<RemeshOptions> OptionsFromProto(const v1::RemeshOptions& proto) {
 absl::StatusOr<std::optional<Region>> RegionFromProto(const v1::RemeshOptions& proto) {
   if (!proto.has_region()) return std::nullopt;
   const v1::Region& shape = proto.region();
+  if (!proto.lod_rhos().empty()) {
+    return absl::InvalidArgumentError("options.region is set beside options.lod_rhos; they exclude one another");
+  }
   Region region;
   region.patch_only = shape.patch_only();
   switch (shape.shape_case()) {
@@ -238,7 +243,8 @@ absl::StatusOr<std::optional<Region>> RegionFromProto(const v1::RemeshOptions& p
 v1::RemeshOptions OptionsToProto(const RemeshOptions& o) {
   v1::RemeshOptions proto;
   const bool by_rho = o.sizing == Sizing::kAngle || o.sizing == Sizing::kThickness;
-  if (by_rho && !o.target_triangles) proto.set_rho(o.rho);
+  if (by_rho && !o.target_triangles && o.lod_rhos.empty()) proto.set_rho(o.rho);
+  proto.mutable_lod_rhos()->Add(o.lod_rhos.begin(), o.lod_rhos.end());
   proto.set_eta(o.eta);
   proto.set_sizing(SizingToProto(o.sizing));
   if (o.max_error) *proto.mutable_max_error() = LengthToProto(*o.max_error);

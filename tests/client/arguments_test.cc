@@ -54,6 +54,28 @@ TEST(MeshingFlags, CarryTheOneParameterOfTheSizing) {
   EXPECT_FALSE(unset->has_max_error() || unset->has_rho());
 }
 
+TEST(MeshingFlags, TakeALevelOfDetailForEachRho) {
+  const absl::StatusOr<v1::RemeshOptions> options = ParseMeshingFlags({.lod = "0.3,0.8,1.5"});
+  ASSERT_THAT(options, IsOk());
+  EXPECT_EQ(std::vector<double>(options->lod_rhos().begin(), options->lod_rhos().end()),
+            (std::vector<double>{0.3, 0.8, 1.5}));
+  EXPECT_FALSE(options->has_rho());
+  for (const char* text : {"", "0.3,", "0.3,x", "0.8,0.3", "0.3,0.3", "0", "0.5,2.2"})
+    EXPECT_THAT(Parse({.lod = text}), StatusIs(kInvalid, "--lod")) << text;
+  std::string many = "0.1";
+  for (int i = 1; i < 17; ++i) many += "," + std::to_string(0.1 + 0.1 * i);
+  EXPECT_THAT(Parse({.lod = many}), StatusIs(kInvalid, "at most 16"));
+}
+
+TEST(MeshingFlags, RefuseLevelsOfDetailBesideWhatElseSizes) {
+  const std::vector<MeshingFlags> others = {
+      {.rho = "1", .lod = "1"},         {.lod = "1", .max_error = "1%"},
+      {.lod = "1", .sizing = "error"},  {.lod = "1", .target_triangles = "100"},
+      {.lod = "1", .edge_length = "1"}, {.lod = "1", .region = "sphere:0,0,0,1"},
+  };
+  for (const MeshingFlags& flags : others) EXPECT_THAT(Parse(flags), StatusIs(kInvalid, "contradict"));
+}
+
 TEST(MeshingFlags, SolveForACountUnderAnySizing) {
   using Wanted = std::pair<MeshingFlags::Text, v1::Sizing>;
   for (const auto& [sizing, wanted] : {Wanted{std::nullopt, v1::SIZING_ANGLE}, Wanted{"angle", v1::SIZING_ANGLE},

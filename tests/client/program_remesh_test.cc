@@ -85,6 +85,64 @@ TEST_F(Remesh, TellsInStatsWhatIsInTheOutput) {
   EXPECT_EQ(last["open_front_edges"], 0);
 }
 
+// Each level by itself is whole, and what a call of its own makes.
+TEST_F(Remesh, WritesAFileForEachLevelOfDetail) {
+  const Outcome outcome =
+      Run({"remesh", "in.ply", "out.ply.gz", "--lod", "0.5,1.2", "--stats", "stats.json", "--trace", "trace.jsonl"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(Files(), ElementsAre("in.ply", "out.lod0.ply.gz", "out.lod1.ply.gz", "stats.json", "trace.jsonl"));
+  const Json stats = Json::parse(Contents("stats.json"));
+  ASSERT_EQ(stats["lods"].size(), 2u);
+  const double rhos[] = {0.5, 1.2};
+  for (size_t level = 0; level < 2; ++level) {
+    const Json& figures = stats["lods"][level];
+    const std::string file = "out.lod" + std::to_string(level) + ".ply.gz";
+    const TriangleMesh mesh = Read(file);
+    EXPECT_THAT(mesh, IsClosedManifold());
+    EXPECT_THAT(mesh, HasGenus(1));
+    EXPECT_EQ(figures["file"], file);
+    EXPECT_EQ(figures["parameters"]["rho"], rhos[level]);
+    EXPECT_EQ(figures["output"]["triangles"], mesh.triangles.size());
+    EXPECT_GT(figures["quality"]["radius_ratio_median"], 0.9);
+    EXPECT_GT(figures["predicted_triangles"], 0);
+    EXPECT_GT(figures["error_bound"], 0);
+    EXPECT_GT(figures["seconds"]["mesh"], 0);
+  }
+  EXPECT_GT(stats["lods"][0]["output"]["triangles"], 2 * stats["lods"][1]["output"]["triangles"].get<int>());
+  EXPECT_EQ(stats["output"], stats["lods"][0]["output"]);
+  EXPECT_EQ(stats["parameters"]["rho"], 0.5);
+  EXPECT_THAT(Contents("trace.jsonl"), HasSubstr(R"("level":1)"));
+  ASSERT_EQ(Run({"remesh", "in.ply", "alone.ply", "--rho", "1.2"}).exit_code, 0);
+  EXPECT_TRUE(Read("alone.ply").positions == Read("out.lod1.ply.gz").positions);
+}
+
+TEST_F(Remesh, WritesOneGltfOfAllLevelsOfDetail) {
+  const Outcome outcome = Run({"remesh", "in.ply", "out.gltf", "--lod", "0.5,0.8,1.2", "--stats", "stats.json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(Files(), ElementsAre("in.ply", "out.gltf", "stats.json"));
+  const Json doc = Json::parse(Contents("out.gltf")), stats = Json::parse(Contents("stats.json"));
+  const Json& node = doc["nodes"][0];
+  ASSERT_EQ(node["extensions"]["MSFT_lod"]["ids"].size(), 2u);
+  const std::vector<double> coverages = node["extras"]["MSFT_screencoverage"];
+  ASSERT_EQ(coverages.size(), 3u);
+  EXPECT_TRUE(coverages[0] > coverages[1] && coverages[1] > coverages[2] && coverages[2] == 0);
+  ASSERT_EQ(doc["meshes"].size(), 3u);
+  for (size_t level = 0; level < 3; ++level) {
+    const Json& primitive = doc["meshes"][level]["primitives"][0];
+    const size_t count = doc["accessors"][primitive["indices"].get<size_t>()]["count"];
+    EXPECT_EQ(count, 3 * stats["lods"][level]["output"]["triangles"].get<size_t>());
+    EXPECT_TRUE(primitive["attributes"].contains("NORMAL"));
+  }
+  EXPECT_THAT(Read("out.gltf"), IsClosedManifold());
+}
+
+TEST_F(Remesh, WritesNoLevelOfDetailWhereOneCanNotBeWritten) {
+  std::filesystem::create_directory(PathOf("out.lod1.ply"));
+  EXPECT_EQ(Run({"remesh", "in.ply", "out.ply", "--lod", "0.8,1.2"}).exit_code, 7);
+  EXPECT_THAT(Files(), ElementsAre("in.ply", "out.lod1.ply"));
+  EXPECT_EQ(Run({"remesh", "in.ply", "-", "--out-format", "ply", "--lod", "0.8,1.2"}).exit_code, 2);
+}
+
 // Corners of a face from the smallest on.
 std::array<std::array<double, 3>, 3> CornersOf(const TriangleMesh& mesh, const Triangle& t) {
   std::array<std::array<double, 3>, 3> corners;

@@ -102,6 +102,23 @@ TEST(OptionsFromProto, RefusesWhatIsNotBuiltYetByItsPath) {
   }
 }
 
+TEST(OptionsFromProto, CarriesLevelsOfDetailBothWays) {
+  v1::RemeshOptions proto;
+  proto.add_lod_rhos(0.3), proto.add_lod_rhos(1.5);
+  const absl::StatusOr<RemeshOptions> options = OptionsFromProto(proto);
+  ASSERT_TRUE(options.ok());
+  EXPECT_EQ(options->lod_rhos, (std::vector<double>{0.3, 1.5}));
+  const absl::StatusOr<RemeshOptions> again = OptionsFromProto(OptionsToProto(*options));
+  ASSERT_TRUE(again.ok());
+  EXPECT_EQ(again->lod_rhos, options->lod_rhos);
+  proto.mutable_region()->set_face_count(1);
+  EXPECT_THAT(std::string(RegionFromProto(proto).status().message()),
+              StartsWith("options.region is set beside options.lod_rhos"));
+  proto.set_rho(1);
+  EXPECT_THAT(std::string(OptionsFromProto(proto).status().message()),
+              StartsWith("options.lod_rhos is set beside options.rho"));
+}
+
 TEST(RegionFromProto, TakesABallABoxOrACountOfFaces) {
   v1::RemeshOptions proto;
   EXPECT_FALSE(RegionFromProto(proto)->has_value());
