@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
@@ -49,16 +50,25 @@ class ObjWriter {
     for (const std::string& library : asset_.material_libraries) Line("mtllib ", library);
     for (const Vec3& p : mesh_.positions) output_.Text("v "), output_.Triple(p), output_.Text("\n");
     for (uint32_t w = 0; w < a_.wedge_count(); ++w) WriteWedge(a_.WedgeAt(w));
-    for (size_t f = 0; f < mesh_.triangles.size(); ++f) {
-      const bool begins = !a_.groups.empty() && (f == 0 || a_.groups[f] != a_.groups[f - 1]);
-      if (begins) Line("usemtl ", GroupName(asset_, a_.groups[f]));
-      WriteFace(f);
+    const std::vector<uint32_t> faces = FacesByGroup();
+    for (size_t i = 0; i < faces.size(); ++i) {
+      const bool begins = !a_.groups.empty() && (i == 0 || a_.groups[faces[i]] != a_.groups[faces[i - 1]]);
+      if (begins) Line("usemtl ", GroupName(asset_, a_.groups[faces[i]]));
+      WriteFace(faces[i]);
     }
   }
 
  private:
   void Line(std::string_view word, const std::string& rest) {
     output_.Text(word), output_.Text(rest), output_.Text("\n");
+  }
+
+  // Each group once: the front goes from one to another and back, and every change would be another draw call.
+  std::vector<uint32_t> FacesByGroup() const {
+    std::vector<uint32_t> faces(mesh_.triangles.size());
+    std::iota(faces.begin(), faces.end(), 0u);
+    std::stable_sort(faces.begin(), faces.end(), [&](uint32_t f, uint32_t g) { return a_.GroupOf(f) < a_.GroupOf(g); });
+    return faces;
   }
 
   void WriteWedge(absl::Span<const float> values) {

@@ -59,6 +59,16 @@ TriangleMesh ThereAndBack(const TriangleMesh& mesh, Format format, std::vector<s
   return read.ok() ? read->mesh : TriangleMesh();
 }
 
+TEST(Asset, NamesEachMaterialOfAnObjOnce) {
+  std::vector<std::string> left_out;
+  const absl::StatusOr<std::string> text = FormatAsset(Painted(), Format::kObj, {}, left_out);
+  ASSERT_THAT(text, IsOk());
+  std::vector<std::string> names;
+  for (size_t at = text->find("usemtl "); at != std::string::npos; at = text->find("usemtl ", at + 1))
+    names.push_back(text->substr(at + 7, text->find('\n', at) - at - 7));
+  EXPECT_THAT(names, ElementsAre("group_0", "group_1"));
+}
+
 TEST(Asset, ComesBackFromGlbAndGltf) {
   for (const Format format : {Format::kGlb, Format::kGltf}) {
     std::vector<std::string> left_out;
