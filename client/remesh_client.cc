@@ -44,13 +44,18 @@ bool SendInput(const TriangleMesh& mesh, const CallOptions& call, Stream* stream
   *request.mutable_header()->mutable_output() = call.output;
   if (!call.region_faces.empty())
     request.mutable_header()->mutable_options()->mutable_region()->set_face_count(call.region_faces.size());
+  if (!call.features.segments.empty()) {
+    v1::FeatureCurves* curves = request.mutable_header()->mutable_options()->mutable_features();
+    curves->set_point_count(call.features.points.size());
+    curves->set_segment_count(call.features.segments.size());
+  }
   if (!stream->Write(request)) return false;
   v1::EndOfInput end;
   const auto write = [&](const v1::DataBlock& block) {
     *request.mutable_block() = block;
     return stream->Write(request);
   };
-  if (!UploadArrays(mesh, call.region_faces, write, &end)) return false;
+  if (!UploadArrays(mesh, call.region_faces, call.features, write, &end)) return false;
   *request.mutable_end() = end;
   return stream->Write(request) && stream->WritesDone();
 }

@@ -11,6 +11,7 @@
 #include "absl/time/time.h"
 #include "absl/types/span.h"
 #include "client/chunk_decoder.h"
+#include "core/mesh/polylines.h"
 #include "core/mesh/triangle_mesh.h"
 #include "meshfront/v1/remesh_service.grpc.pb.h"
 
@@ -34,7 +35,8 @@ class CallCanceller {
 struct CallOptions {
   v1::RemeshOptions options;
   std::vector<uint32_t>
-      region_faces;  // where they are the region: 0-based input order; announced in the options for you
+      region_faces;    // where they are the region: 0-based input order; announced in the options for you
+  Polylines features;  // lines to keep, announced likewise; empty: none
   v1::OutputFormat output;
   absl::Time deadline = absl::InfiniteFuture();
   CallCanceller* canceller = nullptr;  // may be null; outlives the call

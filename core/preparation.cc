@@ -19,6 +19,7 @@
 #include "core/features/attribute_seams.h"
 #include "core/features/boundary.h"
 #include "core/features/creases.h"
+#include "core/features/line_insertion.h"
 #include "core/features/rim_loops.h"
 #include "core/features/seams.h"
 #include "core/field_builder.h"
@@ -95,11 +96,24 @@ absl::StatusOr<std::vector<bool>> MendAndFindCreases(TriangleMesh& mesh, FaceAdj
   return FindCreases(mesh, adjacency, angle, context);
 }
 
+// Behind the mending of slivers, which would turn the edges of lines.
+absl::Status InsertFeatures(Polylines features, TriangleMesh& mesh, FaceAdjacency& adjacency,
+                            std::vector<bool>& creases, Preparation& p, const Context& context) {
+  if (features.segments.empty()) return absl::OkStatus();
+  p.parameters.feature_segments = features.segments.size();
+  for (Vec3& point : features.points) point *= p.scale;
+  MESHFRONT_ASSIGN_OR_RETURN(const InsertedLines inserted,
+                             InsertPolylines(features, mesh, adjacency, creases, context));
+  if (inserted.split_faces > 0) p.input.repairs.push_back({"split_faces_along_features", inserted.split_faces});
+  if (inserted.moved_points > 0) p.input.repairs.push_back({"moved_feature_points", inserted.moved_points});
+  return absl::OkStatus();
+}
+
 // Mends the scaled input and finds its creases; the surface is cut open along them.
 absl::StatusOr<std::unique_ptr<MeshSurface>> MakeSurface(TriangleMesh mesh, std::optional<FaceAdjacency> adjacency,
-                                                         const RemeshOptions& options, Preparation& p,
-                                                         const Context& context) {
-  if (!options.crease_angle && mesh.attributes.empty())
+                                                         Polylines features, Preparation& p, const Context& context) {
+  const RemeshOptions options = p.parameters.options;
+  if (!options.crease_angle && mesh.attributes.empty() && features.segments.empty())
     return MeshSurface::Create(std::move(mesh), std::move(adjacency), context);
   if (!adjacency) adjacency = FindOrientedAdjacency(mesh);
   if (!adjacency) return absl::InvalidArgumentError("the mesh is not an oriented manifold; repair it first");
@@ -110,6 +124,7 @@ absl::StatusOr<std::unique_ptr<MeshSurface>> MakeSurface(TriangleMesh mesh, std:
   if (options.crease_angle) {
     MESHFRONT_ASSIGN_OR_RETURN(creases, MendAndFindCreases(mesh, *adjacency, options, reach, p.input.repairs, context));
   }
+  MESHFRONT_RETURN_IF_ERROR(InsertFeatures(std::move(features), mesh, *adjacency, creases, p, context));
   if (!mesh.attributes.empty()) p.has_flat_normals = MarkAttributeSeams(mesh, *adjacency, creases);
   if (!p.input.repairs.empty()) MarkSeams(mesh, *adjacency, creases);
   if (p.input.repairs.size() > repairs) p.input.topology = MeasureTopology(mesh, *adjacency);
@@ -344,6 +359,19 @@ absl::Status SetLoops(Preparation& p, const Context& context) {
 
 }  // namespace
 
+namespace {
+
+absl::Status CheckFeatures(const Problem& problem) {
+  if (problem.features.segments.empty()) return absl::OkStatus();
+  if (problem.region)
+    return absl::InvalidArgumentError("options.features is set beside options.region; they exclude one another");
+  if (IsMeshedAsPoints(problem))
+    return absl::InvalidArgumentError("options.features is set; it needs a mesh, and this is a point set");
+  return ValidatePolylines(problem.features);
+}
+
+}  // namespace
+
 absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {
   MESHFRONT_RETURN_IF_ERROR(ValidateOptions(problem.options));
   if (!problem.options.lod_rhos.empty()) {
@@ -352,6 +380,7 @@ absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {
     }
     problem.options.rho = std::exchange(problem.options.lod_rhos, {}).front();
   }
+  MESHFRONT_RETURN_IF_ERROR(CheckFeatures(problem));
   if (IsMeshedAsPoints(problem)) return PreparePoints(std::move(problem), context);
   const RemeshOptions options = problem.options;
   Preparation p;
@@ -366,8 +395,8 @@ absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {
   p.seconds.repair = watch.Lap();
 
   context.Report({Stage::kIndex});
-  MESHFRONT_ASSIGN_OR_RETURN(p.surface,
-                             MakeSurface(std::move(problem.mesh), std::move(adjacency), options, p, context));
+  MESHFRONT_ASSIGN_OR_RETURN(
+      p.surface, MakeSurface(std::move(problem.mesh), std::move(adjacency), std::move(problem.features), p, context));
   p.seconds.index = watch.Lap();
 
   context.Report({Stage::kCurvature});

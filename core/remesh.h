@@ -10,6 +10,7 @@
 #include "absl/status/statusor.h"
 #include "core/base/context.h"
 #include "core/mesh/mesh_sink.h"
+#include "core/mesh/polylines.h"
 #include "core/mesh/repair.h"
 #include "core/mesh/topology.h"
 #include "core/mesh/triangle_mesh.h"
@@ -82,6 +83,9 @@ struct Problem {
   // the new ones; the vertices on its border stay, and are joined to both. Repairs, of the whole, leave slivers and the direction of
   // components alone then. target_triangles counts the new triangles.
   std::optional<Region> region;
+  // Lines to be kept like creases, whatever crease_angle is: the surface's faces are split along them (features/line_insertion.h). Not with a
+  // region, nor for point sets.
+  Polylines features;
 };
 
 struct InputReport {
@@ -97,6 +101,7 @@ struct ParametersInForce {
   double detail = 0;              // absolute: curvature asks for no shorter edges, where a target needs that; 0: it may
   uint64_t target_triangles = 0;  // that it was solved for; 0: none
   double min_edge = 0, max_edge = 0;  // absolute
+  uint64_t feature_segments = 0;      // of Problem.features
   uint64_t clamped_samples = 0;       // sizing samples that a clamp changed
 };
 

@@ -33,6 +33,7 @@ uint64_t PeakRssBytes() {
 struct ParsedInput {
   TriangleMesh mesh;
   std::optional<Region> region;
+  Polylines features;
   std::vector<std::string> warnings;
   std::vector<std::string> dropped_attributes;
 };
@@ -56,7 +57,7 @@ absl::StatusOr<ParsedInput> ParseFile(const ServiceState& state, PendingBytes::L
     read.mesh.dropped_attributes.push_back(channel.name);
   read.mesh.attributes = {};
   MESHFRONT_RETURN_IF_ERROR(lease.Hold(AllocatedBytes(read.mesh)));  // the bytes of the file go with this call's end
-  return ParsedInput{std::move(read.mesh), std::nullopt, std::move(read.warnings), {}};
+  return ParsedInput{std::move(read.mesh), std::nullopt, {}, std::move(read.warnings), {}};
 }
 
 absl::StatusOr<ParsedInput> ParseInput(const ServiceState& state, Job& job) {
@@ -68,6 +69,7 @@ absl::StatusOr<ParsedInput> ParseInput(const ServiceState& state, Job& job) {
     MESHFRONT_ASSIGN_OR_RETURN(parsed, ParseFile(state, job.lease, input));
   }
   parsed.region = std::move(input.region);
+  parsed.features = std::move(input.features);
   parsed.dropped_attributes = parsed.mesh.dropped_attributes;
   return parsed;
 }
@@ -201,7 +203,7 @@ absl::Status RemeshBody(ServiceState& state, Job& job) {
   const Context context = ContextOf(state, job, times.started);
   MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
   MESHFRONT_RETURN_IF_ERROR(AnnounceDefects(job, input.mesh));
-  Problem problem{std::move(input.mesh), job.options, std::move(input.region)};
+  Problem problem{std::move(input.mesh), job.options, std::move(input.region), std::move(input.features)};
   if (!job.options.lod_rhos.empty()) {
     LevelStream levels(job, input, times);
     MESHFRONT_RETURN_IF_ERROR(state.engine.remesh_levels(std::move(problem), levels, context));
@@ -224,7 +226,8 @@ absl::Status EstimateBody(ServiceState& state, Job& job) {
   MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
   MESHFRONT_ASSIGN_OR_RETURN(
       const Estimate estimate,
-      state.engine.estimate({std::move(input.mesh), job.options, std::move(input.region)}, context));
+      state.engine.estimate({std::move(input.mesh), job.options, std::move(input.region), std::move(input.features)},
+                            context));
   times.done = absl::Now();
   job.estimate = EstimateToProto(estimate);
   FillCommon(input, job.estimate);

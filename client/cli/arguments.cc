@@ -222,7 +222,7 @@ absl::Status CheckSizingFlags(const MeshingFlags& flags, v1::Sizing sizing) {
 }
 
 absl::Status CheckBuilt(const MeshingFlags& flags) {
-  if (flags.features) return NotYet("--features");
+  if (flags.features && flags.region) return Contradiction("--features", "--region");
   if (flags.surface == "mls") return NotYet("--surface mls");
   if (!flags.seed_points.empty()) return NotYet("--seed-point");
   return absl::OkStatus();

@@ -50,7 +50,7 @@ void AddMeshingFlags(CLI::App* command, MeshingFlags* flags) {
   command->add_option("--attributes", flags->attributes,
                       "keep, drop: UV, normals, colours, materials, …; their seams become feature curves [keep]");
   command->add_option("--surface", flags->surface, "auto, mesh, imls; mls: not yet [auto]");
-  command->add_option("--features", flags->features, "extra feature polylines (not yet)");
+  command->add_option("--features", flags->features, "OBJ with lines (v and l) on the surface to be kept like creases");
   command->add_option("--region", flags->region,
                       "remesh only the faces inside sphere:x,y,z,r or box:x0,y0,z0,x1,y1,z1, or faces:FILE (numbers "
                       "from 0, one a line)");

@@ -11,6 +11,7 @@
 #include "client/cli/call_failure.h"
 #include "client/cli/commands.h"
 #include "client/cli/connection.h"
+#include "client/cli/feature_lines.h"
 #include "client/cli/figures.h"
 #include "client/cli/input.h"
 #include "client/cli/levels.h"
@@ -61,6 +62,8 @@ class RemeshCommand {
   absl::Status TryParseArguments() {
     MESHFRONT_ASSIGN_OR_RETURN(call_.options, ParseMeshingFlags(arguments_.meshing));
     MESHFRONT_RETURN_IF_ERROR(ParseRegion());
+    MESHFRONT_ASSIGN_OR_RETURN(features_, ReadFeatureLines(arguments_.meshing.features));
+    call_.features = features_.lines;
     MESHFRONT_ASSIGN_OR_RETURN(timeout_, ParseTimeout(arguments_.call.timeout));
     if (remote()) MESHFRONT_RETURN_IF_ERROR(CheckServerAddress(arguments_.call.server));
     MESHFRONT_ASSIGN_OR_RETURN(in_format_, FormatFor(arguments_.in, arguments_.call.in_format, "--in-format"));
@@ -121,13 +124,15 @@ class RemeshCommand {
     return paths;
   }
 
-  // OUT may take the place of IN; nothing else may, nor anything that of the list of a region's faces.
+  // OUT may take the place of IN; nothing else may, nor anything that of the list of a region's faces or of lines.
   absl::Status CheckInputsStay() const {
     constexpr absl::string_view faces = "faces:";
     const std::string region = arguments_.meshing.region.value_or("");
     for (const NamedOutput& output : Outputs()) {
       if (arguments_.in != "-" && output.name != "OUT")
         MESHFRONT_RETURN_IF_ERROR(CheckNoneCollide({{"IN", arguments_.in}, output}));
+      if (arguments_.meshing.features)
+        MESHFRONT_RETURN_IF_ERROR(CheckNoneCollide({{"--features", *arguments_.meshing.features}, output}));
       if (absl::StartsWith(region, faces))
         MESHFRONT_RETURN_IF_ERROR(CheckNoneCollide({{"--region", region.substr(faces.size())}, output}));
     }
@@ -235,7 +240,10 @@ class RemeshCommand {
     // A trace of a failed job is worth keeping, and its own failure must not hide the job's.
     absl::Status finished = trace == nullptr ? absl::OkStatus() : trace->Commit();
     if (!collector.local_error().ok()) return Fail(ExitCode::kOutput, collector.local_error());
-    if (!summaries.ok()) return FailCall(summaries.status(), called_with());
+    if (!summaries.ok()) {
+      return FailCall(WithFeatureLine(summaries.status(), arguments_.meshing.features.value_or(""), features_),
+                      called_with());
+    }
     summaries_ = *std::move(summaries);
     TakeFigures(collector);
     PrintWarnings(warnings_);
@@ -393,6 +401,7 @@ class RemeshCommand {
   const RemeshArguments& arguments_;
   Interruption interruption_;
   CallOptions call_;
+  FeatureLines features_;
   double timeout_ = 0;
   Format in_format_ = Format::kUnknown, out_format_ = Format::kUnknown;
   TriangleMesh input_;

@@ -60,6 +60,7 @@ Json ParametersJson(const v1::ParametersInForce& parameters) {
           {"repair", o.repair()},
           {"crease_angle",
            o.crease().rule_case() == v1::Crease::kAngleDegrees ? Json(o.crease().angle_degrees()) : Json("off")},
+          {"features", o.has_features() ? Json(o.features().segment_count()) : Json(nullptr)},
           {"attributes", o.attributes() == v1::ATTRIBUTE_POLICY_KEEP ? "keep" : "drop"},
           {"surface", o.surface() == v1::SURFACE_TYPE_IMLS ? "imls" : "mesh"},
           {"mls_radius", o.surface() == v1::SURFACE_TYPE_IMLS ? Json(o.mls_radius()) : Json(nullptr)},

@@ -1,5 +1,4 @@
-// Options between the wire and core. To add an option: a line in ToCore, one in OptionsToProto, and its path out of
-// kNotYet.
+// Options between the wire and core. To add an option: a line in ToCore and one in OptionsToProto.
 #include "proto/wire/convert.h"
 
 #include <google/protobuf/descriptor.h>
@@ -14,31 +13,9 @@
 namespace meshfront {
 namespace {
 
-using google::protobuf::FieldDescriptor;
-
-// In the contract from the start, so that clients keep; refused by their path until they are built.
-constexpr absl::string_view kNotYet[] = {"features"};
-
-bool IsNotYet(absl::string_view field) {
-  return std::find(std::begin(kNotYet), std::end(kNotYet), field) != std::end(kNotYet);
-}
-
-absl::Status NotYet(absl::string_view path) {
-  return absl::InvalidArgumentError(absl::StrCat(path, " is not supported yet"));
-}
-
-// Fields that are refused whatever their value is, and values of the others that are.
-absl::Status RefuseNotYet(const v1::RemeshOptions& o) {
-  std::vector<const FieldDescriptor*> set;
-  o.GetReflection()->ListFields(o, &set);
-  for (const FieldDescriptor* field : set) {
-    if (IsNotYet(field->name())) return NotYet(absl::StrCat("options.", field->name()));
-  }
-  if (o.surface() == v1::SURFACE_TYPE_MLS) return NotYet("options.surface SURFACE_TYPE_MLS");
-  return absl::OkStatus();
-}
-
 absl::Status CheckEnums(const v1::RemeshOptions& o) {
+  if (o.surface() == v1::SURFACE_TYPE_MLS)
+    return absl::InvalidArgumentError("options.surface SURFACE_TYPE_MLS is not supported yet");
   if (!v1::Sizing_IsValid(o.sizing())) {
     return absl::InvalidArgumentError(absl::StrCat("options.sizing is ", o.sizing(), "; it must be a value of Sizing"));
   }
@@ -207,7 +184,6 @@ absl::StatusOr<RemeshOptions> ToCore(const v1::RemeshOptions& proto) {
 
 absl::StatusOr<RemeshOptions> OptionsFromProto(const v1::RemeshOptions& proto) {
   MESHFRONT_RETURN_IF_ERROR(CheckEnums(proto));
-  MESHFRONT_RETURN_IF_ERROR(RefuseNotYet(proto));
   MESHFRONT_RETURN_IF_ERROR(CheckSizing(proto));
   MESHFRONT_ASSIGN_OR_RETURN(RemeshOptions options, ToCore(proto));
   MESHFRONT_RETURN_IF_ERROR(ValidateOptions(options));
@@ -271,8 +247,7 @@ std::vector<std::string> SupportedOptions() {
   std::vector<std::string> paths;
   const google::protobuf::Descriptor* descriptor = v1::RemeshOptions::descriptor();
   for (int i = 0; i < descriptor->field_count(); ++i) {
-    const std::string& name = descriptor->field(i)->name();
-    if (!IsNotYet(name)) paths.push_back(absl::StrCat("options.", name));
+    paths.push_back(absl::StrCat("options.", descriptor->field(i)->name()));
   }
   return paths;
 }

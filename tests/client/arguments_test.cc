@@ -1,6 +1,8 @@
 // Flags and what they mean: every mistake one sentence with the flag, the value and the rule.
 #include "client/cli/arguments.h"
 
+#include "client/cli/feature_lines.h"
+
 #include <cmath>
 #include <fstream>
 
@@ -176,8 +178,29 @@ TEST(MeshingFlags, FacesAreNumbersOneALine) {
   EXPECT_TRUE(ReadRegionFaces("sphere:0,0,0,1")->empty());
 }
 
+TEST(MeshingFlags, FeaturesAreTheLinesOfAnObj) {
+  const std::string path = ::testing::TempDir() + "lines.obj";
+  std::ofstream(path) << "# a line\nv 0 0 0\nv 1 0 0 1\r\nl 1 2\nv 1 1 0\nl 1/1 2/2 -1\nf 1 2 3\n";
+  const absl::StatusOr<FeatureLines> read = ReadFeatureLines(path);
+  ASSERT_THAT(read, IsOk());
+  EXPECT_EQ(read->lines.points.size(), 3u);
+  EXPECT_EQ(read->lines.segments, (std::vector<std::array<uint32_t, 2>>{{0, 1}, {0, 1}, {1, 2}}));
+  EXPECT_EQ(read->numbers, (std::vector<uint64_t>{4, 6, 6}));
+  EXPECT_THAT(WithFeatureLine(absl::InvalidArgumentError("options.features.segments[2] lies at"), "lines.obj", *read),
+              StatusIs(kInvalid, "(line 6 of lines.obj)"));
+  for (const char* line : {"v 1 2", "v 1 2 nan", "l 1", "l 1 4", "l 0 1", "l 1 x"}) {
+    std::ofstream(path) << "v 0 0 0\nv 1 0 0\n" << line << "\n";
+    EXPECT_THAT(ReadFeatureLines(path), StatusIs(kInvalid, "in line 3")) << line;
+  }
+  std::ofstream(path) << "v 0 0 0\n";
+  EXPECT_THAT(ReadFeatureLines(path), StatusIs(kInvalid, "has no line"));
+  EXPECT_THAT(ReadFeatureLines("/no/such/file"), StatusIs(kInvalid, "can't be read"));
+  EXPECT_TRUE(ReadFeatureLines(std::nullopt)->lines.segments.empty());
+  EXPECT_THAT(Parse({.features = "a.obj", .region = "sphere:0,0,0,1"}), StatusIs(kInvalid, "contradict"));
+}
+
 TEST(MeshingFlags, SayNotYetInsteadOfIgnoring) {
-  const std::vector<MeshingFlags> not_built = {{.features = "f.obj"}, {.surface = "mls"}, {.seed_points = {"0,0,0"}}};
+  const std::vector<MeshingFlags> not_built = {{.surface = "mls"}, {.seed_points = {"0,0,0"}}};
   for (const MeshingFlags& flags : not_built) EXPECT_THAT(Parse(flags), StatusIs(kInvalid, "not yet"));
 }
 

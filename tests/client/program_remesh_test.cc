@@ -85,6 +85,37 @@ TEST_F(Remesh, TellsInStatsWhatIsInTheOutput) {
   EXPECT_EQ(last["open_front_edges"], 0);
 }
 
+// A ring around the outside of the torus, and an arc that ends in the smooth.
+TEST_F(Remesh, KeepsTheLinesOfAFile) {
+  std::ofstream lines(PathOf("lines.obj"));
+  for (int i = 0; i < 24; ++i)
+    lines << "v " << 1.4 * std::cos(M_PI * i / 12) << " " << 1.4 * std::sin(M_PI * i / 12) << " 0\n";
+  lines << "l";
+  for (int i = 0; i <= 24; ++i) lines << " " << i % 24 + 1;
+  lines << "\nv 1 0 0.4\nv 0.95 0.31 0.4\nl 25 26\n";
+  lines.close();
+  const Outcome outcome =
+      Run({"remesh", "in.ply", "out.ply", "--features", "lines.obj", "--rho", "0.7", "--stats", "stats.json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const TriangleMesh mesh = Read("out.ply");
+  EXPECT_THAT(mesh, IsClosedManifold());
+  EXPECT_THAT(mesh, HasGenus(1));
+  const Json stats = Json::parse(Contents("stats.json"));
+  EXPECT_EQ(stats["parameters"]["features"], 25);
+  EXPECT_EQ(stats["input"]["repairs"][0]["what"], "split_faces_along_features");
+  size_t on_ring = 0, at_end = 0;
+  for (const Vec3& p : mesh.positions) {
+    on_ring += std::abs(p.z) < 1e-9 && std::abs(std::hypot(p.x, p.y) - 1.4) < 0.01;
+    at_end += Distance(p, {1, 0, 0.4}) < 1e-6;
+  }
+  EXPECT_GT(on_ring, 12u);
+  EXPECT_EQ(at_end, 1u);
+  std::ofstream(PathOf("lines.obj"), std::ios::app) << "v 3 0 0\nl 1 27\n";
+  const Outcome refused = Run({"remesh", "in.ply", "out.ply", "--features", "lines.obj"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("line 30 of lines.obj"));
+}
+
 // Each level by itself is whole, and what a call of its own makes.
 TEST_F(Remesh, WritesAFileForEachLevelOfDetail) {
   const Outcome outcome =
