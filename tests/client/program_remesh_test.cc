@@ -167,6 +167,20 @@ TEST_F(Remesh, WritesOneGltfOfAllLevelsOfDetail) {
   EXPECT_THAT(Read("out.gltf"), IsClosedManifold());
 }
 
+// Edges almost as long as the tube is thick do not close.
+TEST_F(Remesh, SaysWhichLevelOfDetailIsMeshedInPart) {
+  const Outcome outcome = Run({"remesh", "in.ply", "out.ply", "--lod", "0.5,1.5", "--min-edge", "30%", "--max-edge",
+                               "80%", "--stats", "stats.json"});
+  EXPECT_EQ(outcome.exit_code, 4);
+  const Json lods = Json::parse(Contents("stats.json"))["lods"];
+  for (size_t level = 0; level < 2; ++level) {
+    const std::string number = std::to_string(level);
+    EXPECT_TRUE(Exists("out.lod" + number + ".ply"));
+    const bool is_told = outcome.err.find("level " + number + " of out.ply is") != std::string::npos;
+    EXPECT_EQ(is_told, !lods[level]["output"]["complete"].get<bool>()) << outcome.err;
+  }
+}
+
 TEST_F(Remesh, WritesNoLevelOfDetailWhereOneCanNotBeWritten) {
   std::filesystem::create_directory(PathOf("out.lod1.ply"));
   EXPECT_EQ(Run({"remesh", "in.ply", "out.ply", "--lod", "0.8,1.2"}).exit_code, 7);
