@@ -94,6 +94,18 @@ absl::StatusOr<TriangleMesh> ChunkSpool::Load() const {
   return mesh;
 }
 
+absl::StatusOr<TriangleMesh> ChunkSpool::LoadWithNormals() const {
+  MESHFRONT_ASSIGN_OR_RETURN(TriangleMesh mesh, Load());
+  MeshAttributes& a = mesh.attributes;
+  a.channels = {{"NORMAL", 3}};
+  MESHFRONT_RETURN_IF_ERROR(ForEachVertexBlock([&](absl::Span<const SpooledVertex> block) {
+    for (const SpooledVertex& v : block) a.values.insert(a.values.end(), v.normal.begin(), v.normal.end());
+    return absl::OkStatus();
+  }));
+  for (const Triangle& t : mesh.triangles) a.corners.push_back({t[0].index(), t[1].index(), t[2].index()});
+  return mesh;
+}
+
 SpooledPositions::SpooledPositions(const ChunkSpool& spool)
     : spool_(spool), held_(kSlots, ~uint64_t{0}), cache_(kSlots * kBlock) {}
 

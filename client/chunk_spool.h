@@ -47,6 +47,8 @@ class ChunkSpool {
   // The whole mesh in memory, without normals: for a picture. With attributes, once, of these channels.
   absl::StatusOr<TriangleMesh> Load() const;
   absl::StatusOr<TriangleMesh> LoadWithAttributes(const std::vector<AttributeChannel>& channels);
+  // With the vertices' normals as its one attribute, where the chunks had some.
+  absl::StatusOr<TriangleMesh> LoadWithNormals() const;
 
  private:
   ChunkSpool(std::unique_ptr<BufferedFile> vertices, std::unique_ptr<BufferedFile> triangles);

@@ -64,14 +64,18 @@ v1::Header HeaderFor(const TriangleMesh& mesh) {
   return header;
 }
 
-bool UploadArrays(const TriangleMesh& mesh, const std::vector<uint32_t>& region_faces, const BlockWriter& write,
-                  v1::EndOfInput* end) {
+bool UploadArrays(const TriangleMesh& mesh, const std::vector<uint32_t>& region_faces, const Polylines& features,
+                  const BlockWriter& write, v1::EndOfInput* end) {
   Sha256 digest;
   if (!UploadArray(v1::ARRAY_POSITIONS, BytesOf(mesh.positions), write, &digest)) return false;
   if (!UploadArray(v1::ARRAY_TRIANGLES, BytesOf(mesh.triangles), write, &digest)) return false;
   const bool has_normals = !mesh.normals.empty() && mesh.normals.size() == mesh.positions.size();
   if (has_normals && !UploadArray(v1::ARRAY_NORMALS, BytesOf(mesh.normals), write, &digest)) return false;
   if (!UploadArray(v1::ARRAY_REGION_FACES, BytesOf(region_faces), write, &digest)) return false;
+  if (!features.segments.empty() &&
+      (!UploadArray(v1::ARRAY_FEATURE_POSITIONS, BytesOf(features.points), write, &digest) ||
+       !UploadArray(v1::ARRAY_FEATURE_SEGMENTS, BytesOf(features.segments), write, &digest)))
+    return false;
   const MeshAttributes& a = mesh.attributes;
   if (!UploadArray(v1::ARRAY_WEDGE_VALUES, BytesOf(a.values), write, &digest) ||
       !UploadArray(v1::ARRAY_CORNER_WEDGES, BytesOf(a.corners), write, &digest) ||

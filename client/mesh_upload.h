@@ -5,6 +5,7 @@
 #include <functional>
 #include <vector>
 
+#include "core/mesh/polylines.h"
 #include "core/mesh/triangle_mesh.h"
 #include "meshfront/v1/mesh.pb.h"
 
@@ -17,8 +18,8 @@ v1::Header HeaderFor(const TriangleMesh& mesh);
 using BlockWriter = std::function<bool(const v1::DataBlock&)>;
 // Every announced array in order, in blocks of at most 1 MiB with their checksums. Returns the end of input with the digest of all
 // bytes sent, or nothing when a write failed.
-// `region_faces`: ARRAY_REGION_FACES; empty: it was not announced.
-bool UploadArrays(const TriangleMesh& mesh, const std::vector<uint32_t>& region_faces, const BlockWriter& write,
-                  v1::EndOfInput* end);
+// `region_faces`: ARRAY_REGION_FACES; empty: it was not announced; likewise `features`.
+bool UploadArrays(const TriangleMesh& mesh, const std::vector<uint32_t>& region_faces, const Polylines& features,
+                  const BlockWriter& write, v1::EndOfInput* end);
 
 }  // namespace meshfront

@@ -184,9 +184,15 @@ absl::StatusOr<std::unique_ptr<OutputFile>> OutputFile::Create(const std::string
       new OutputFile(target, temporary, std::make_unique<BufferedFile>(descriptor, path)));
 }
 
-absl::Status OutputFile::Commit() {
+absl::Status OutputFile::Finish() {
+  if (is_finished_) return absl::OkStatus();
   if (gzip_ != nullptr) MESHFRONT_RETURN_IF_ERROR(gzip_->Finish());
-  MESHFRONT_RETURN_IF_ERROR(file_->Close());
+  is_finished_ = true;
+  return file_->Close();
+}
+
+absl::Status OutputFile::Commit() {
+  MESHFRONT_RETURN_IF_ERROR(Finish());
   if (temporary_.empty()) return absl::OkStatus();
   if (rename(temporary_.c_str(), path_.c_str()) != 0) return SystemError(path_, "can't be written", errno);
   temporary_.clear();

@@ -66,6 +66,8 @@ class OutputFile {
   OutputFile& operator=(const OutputFile&) = delete;
 
   ByteSink& sink();
+  // Brings what was appended to the disk: what may fail of Commit, but for the renaming. Commit does it where it was not done.
+  absl::Status Finish();
   absl::Status Commit();
 
  private:
@@ -75,6 +77,7 @@ class OutputFile {
   std::string path_, temporary_;  // temporary: empty when there is nothing to rename or remove
   std::unique_ptr<BufferedFile> file_;
   std::unique_ptr<GzipSink> gzip_;  // null when the file is not compressed
+  bool is_finished_ = false;
 };
 
 // Writes a whole file the same way.

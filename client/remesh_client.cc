@@ -3,6 +3,7 @@
 #include <grpcpp/create_channel.h>
 #include <grpcpp/security/credentials.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "absl/strings/str_cat.h"
@@ -45,13 +46,18 @@ bool SendInput(const TriangleMesh& mesh, const CallOptions& call, Stream* stream
   if (!call.session_id.empty()) request.mutable_header()->set_session_id(call.session_id);
   if (!call.region_faces.empty())
     request.mutable_header()->mutable_options()->mutable_region()->set_face_count(call.region_faces.size());
+  if (!call.features.segments.empty()) {
+    v1::FeatureCurves* curves = request.mutable_header()->mutable_options()->mutable_features();
+    curves->set_point_count(call.features.points.size());
+    curves->set_segment_count(call.features.segments.size());
+  }
   if (!stream->Write(request)) return false;
   v1::EndOfInput end;
   const auto write = [&](const v1::DataBlock& block) {
     *request.mutable_block() = block;
     return stream->Write(request);
   };
-  if (!UploadArrays(mesh, call.region_faces, write, &end)) return false;
+  if (!UploadArrays(mesh, call.region_faces, call.features, write, &end)) return false;
   *request.mutable_end() = end;
   return stream->Write(request) && stream->WritesDone();
 }
@@ -59,10 +65,12 @@ bool SendInput(const TriangleMesh& mesh, const CallOptions& call, Stream* stream
 // Takes the events of one response stream to the observer and remembers the Summary.
 class EventReader {
  public:
-  EventReader(v1::ScalarType scalar_type, RemeshObserver& observer) : decoder_(scalar_type), observer_(observer) {}
+  // `levels`: as many meshes come, each with its Summary.
+  EventReader(v1::ScalarType scalar_type, size_t levels, RemeshObserver& observer)
+      : scalar_type_(scalar_type), levels_(levels), decoder_(scalar_type), observer_(observer) {}
 
   absl::Status Take(const v1::MeshEvent& event) {
-    if (has_summary_) return absl::DataLossError("the server sent more after its Summary");
+    if (summaries_.size() == levels_) return absl::DataLossError("the server sent more after its Summary");
     switch (event.event_case()) {
       case v1::MeshEvent::kAccepted:
         observer_.OnAccepted(event.accepted());
@@ -86,9 +94,13 @@ class EventReader {
     return absl::OkStatus();
   }
 
-  absl::StatusOr<v1::Summary> Result() && {
-    if (!has_summary_) return absl::DataLossError("the result ended without a Summary");
-    return std::move(summary_);
+  absl::StatusOr<std::vector<v1::Summary>> Result() && {
+    if (summaries_.size() < levels_) {
+      return absl::DataLossError(levels_ == 1 ? "the result ended without a Summary"
+                                              : absl::StrCat("the result ended with ", summaries_.size(),
+                                                             " Summaries; there are ", levels_, " levels"));
+    }
+    return std::move(summaries_);
   }
 
  private:
@@ -111,16 +123,23 @@ class EventReader {
       return absl::DataLossError(absl::StrCat("the Summary tells of ", summary.chunks(),
                                               " chunks with another checksum; ", decoder_.chunk_count(), " came"));
     }
-    summary_ = summary;
-    has_summary_ = true;
+    if (summary.level() != summaries_.size()) {
+      return absl::DataLossError(
+          absl::StrCat("a Summary is of level ", summary.level(), "; it must be of level ", summaries_.size()));
+    }
+    summaries_.push_back(summary);
+    if (summaries_.size() == levels_) return absl::OkStatus();
+    decoder_ = ChunkDecoder(scalar_type_);
+    observer_.OnLevelEnd(summary);
     return absl::OkStatus();
   }
 
+  const v1::ScalarType scalar_type_;
+  const size_t levels_;
   ChunkDecoder decoder_;
   RemeshObserver& observer_;
-  v1::Summary summary_;
+  std::vector<v1::Summary> summaries_;
   uint64_t removed_faces_ = 0;
-  bool has_summary_ = false;
 };
 
 }  // namespace
@@ -152,6 +171,14 @@ RemeshClient::RemeshClient(const std::shared_ptr<grpc::ChannelInterface>& channe
     : stub_(v1::MeshfrontService::NewStub(channel)) {}
 
 absl::StatusOr<v1::Summary> RemeshClient::Remesh(TriangleMesh mesh, const CallOptions& call, RemeshObserver& observer) {
+  if (call.options.lod_rhos_size() > 1)
+    return absl::InvalidArgumentError("options.lod_rhos has several values; RemeshLevels takes them");
+  MESHFRONT_ASSIGN_OR_RETURN(const std::vector<v1::Summary> summaries, RemeshLevels(std::move(mesh), call, observer));
+  return summaries.front();
+}
+
+absl::StatusOr<std::vector<v1::Summary>> RemeshClient::RemeshLevels(TriangleMesh mesh, const CallOptions& call,
+                                                                    RemeshObserver& observer) {
   ScopedCall scope(
       call, [&](grpc::ClientContext* c) { return call.canceller == nullptr || call.canceller->Attach(c); },
       [&] {
@@ -163,7 +190,7 @@ absl::StatusOr<v1::Summary> RemeshClient::Remesh(TriangleMesh mesh, const CallOp
 
   const v1::ScalarType type =
       call.output.scalar_type() == v1::SCALAR_TYPE_UNSPECIFIED ? v1::SCALAR_TYPE_FLOAT32 : call.output.scalar_type();
-  EventReader reader(type, observer);
+  EventReader reader(type, std::max(call.options.lod_rhos_size(), 1), observer);
   v1::RemeshResponse response;
   absl::Status taken;
   while (taken.ok() && stream->Read(&response)) taken = reader.Take(response.event());

@@ -11,6 +11,7 @@
 #include "absl/time/time.h"
 #include "absl/types/span.h"
 #include "client/chunk_decoder.h"
+#include "core/mesh/polylines.h"
 #include "core/mesh/triangle_mesh.h"
 #include "meshfront/v1/remesh_service.grpc.pb.h"
 
@@ -34,7 +35,8 @@ class CallCanceller {
 struct CallOptions {
   v1::RemeshOptions options;
   std::vector<uint32_t>
-      region_faces;  // where they are the region: 0-based input order; announced in the options for you
+      region_faces;    // where they are the region: 0-based input order; announced in the options for you
+  Polylines features;  // lines to keep, announced likewise; empty: none
   v1::OutputFormat output;
   std::string session_id;     // of an earlier call's Summary: its mesh, in place of the one given, which must be empty
   bool keep_session = false;  // the server keeps the mesh; Summary.session names it
@@ -50,6 +52,8 @@ class RemeshObserver {
   virtual void OnAccepted(const v1::Accepted&) {}
   virtual void OnProgress(const v1::Progress&) {}
   virtual void OnDefect(const v1::Defect&) {}
+  // The chunks so far are a whole level of detail, of which more follow: those after this are the next one's.
+  virtual void OnLevelEnd(const v1::Summary&) {}
   // Faces of the input that the result has not any more (Region.patch_only), in increasing order and in pieces.
   virtual void OnRemovedFaces(absl::Span<const uint32_t>) {}
   // A verified piece of the result; the spans hold during the call. A status that is not OK ends the RPC and is returned.
@@ -72,6 +76,9 @@ class RemeshClient {
   // Returns the Summary, which is the commit mark: without it the result is to be thrown away. DataLoss when the stream is
   // damaged or ends without a Summary or with one that does not fit the chunks.
   absl::StatusOr<v1::Summary> Remesh(TriangleMesh mesh, const CallOptions& call, RemeshObserver& observer);
+  // The same with call.options.lod_rhos: as many summaries as there are levels, in their order. Without the last of them nothing is whole.
+  absl::StatusOr<std::vector<v1::Summary>> RemeshLevels(TriangleMesh mesh, const CallOptions& call,
+                                                        RemeshObserver& observer);
   absl::StatusOr<v1::EstimateResponse> Estimate(TriangleMesh mesh, const CallOptions& call);
   absl::StatusOr<v1::GetCapabilitiesResponse> GetCapabilities(absl::Time deadline = absl::InfiniteFuture());
 

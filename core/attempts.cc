@@ -244,7 +244,7 @@ std::optional<uint64_t> NextCount(const Preparation& p, const Attempt& attempt, 
 
 void GradeGently(Preparation& p) {
   p.parameters.options.eta = kGentleEta;
-  p.builder = std::make_unique<FieldBuilder>(*p.surface, *p.builder, kGentleEta);
+  p.builder = std::make_shared<FieldBuilder>(*p.surface, *p.builder, kGentleEta);
 }
 
 // What is still wrong is not handed on where the input's own faces may be.

@@ -67,6 +67,8 @@ class FieldBuilder {
     added_.push_back({sample.position, std::max(sample.ideal_length, limits_.min_edge)});
   }
 
+  void ClearAddedSamples() { added_.clear(); }
+
   // The field whose predicted count is within 0.3 % of `count`; mostly two of them are built. Where even the largest
   // parameter makes too many, because the surface is rough, detail is left out. InvalidArgument when so few or so many can't be
   // made, with what the nearest makes.

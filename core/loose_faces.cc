@@ -51,7 +51,7 @@ absl::Status CutAgain(TriangleMesh mesh, FaceAdjacency adjacency, std::vector<bo
     MESHFRONT_ASSIGN_OR_RETURN(p.region->blend, RegionBlend::Create(*surface, options.blend, options.eta, context));
   }
   MESHFRONT_RETURN_IF_ERROR(surface->ComputeCurvature(context));
-  auto builder = std::make_unique<FieldBuilder>(*surface, *p.builder);
+  auto builder = std::make_shared<FieldBuilder>(*surface, *p.builder);
   p.surface = std::move(surface);
   p.builder = std::move(builder);
   p.seeds = p.surface->Seeds();

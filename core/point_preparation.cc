@@ -66,9 +66,9 @@ void SetRadius(const PointNoise& noise, Preparation& p) {
 absl::Status SetPointSurface(std::unique_ptr<MlsSamples> samples, Preparation& p, const Context& context) {
   if (p.input.is_point_set) p.input.topology.components = samples->component_count();
   if (p.parameters.options.surface == SurfaceKind::kMls)
-    p.points = std::make_unique<MlsSurface>(std::move(samples));
+    p.points = std::make_shared<MlsSurface>(std::move(samples));
   else
-    p.points = std::make_unique<ImplicitMlsSurface>(std::move(samples));
+    p.points = std::make_shared<ImplicitMlsSurface>(std::move(samples));
   MESHFRONT_RETURN_IF_ERROR(p.points->ComputeCurvature(context));
   MESHFRONT_ASSIGN_OR_RETURN(RimCurves rims, TraceRims(*p.points, context));
   p.rims = std::move(rims.curves);
@@ -171,7 +171,7 @@ absl::StatusOr<bool> WidenSupports(absl::Span<const Vec3> places, double factor,
   const SizingLimits limits = p.point_builder->limits();
   p.point_builder.reset();
   MESHFRONT_RETURN_IF_ERROR(SetPointSurface(std::move(samples), p, context));
-  p.point_builder = std::make_unique<PointFieldBuilder>(*p.points, p.rims, limits);
+  p.point_builder = std::make_shared<PointFieldBuilder>(*p.points, p.rims, limits);
   MESHFRONT_RETURN_IF_ERROR(PrepareAgain({}, count, p, context));
   return true;
 }

@@ -19,6 +19,7 @@
 #include "core/features/attribute_seams.h"
 #include "core/features/boundary.h"
 #include "core/features/creases.h"
+#include "core/features/line_insertion.h"
 #include "core/features/seams.h"
 #include "core/field_builder.h"
 #include "core/guidance/sizing.h"
@@ -95,11 +96,24 @@ absl::StatusOr<std::vector<bool>> MendAndFindCreases(TriangleMesh& mesh, FaceAdj
   return FindCreases(mesh, adjacency, angle, context);
 }
 
+// Behind the mending of slivers, which would turn the edges of lines.
+absl::Status InsertFeatures(Polylines features, TriangleMesh& mesh, FaceAdjacency& adjacency,
+                            std::vector<bool>& creases, Preparation& p, const Context& context) {
+  if (features.segments.empty()) return absl::OkStatus();
+  p.parameters.feature_segments = features.segments.size();
+  for (Vec3& point : features.points) point *= p.scale;
+  MESHFRONT_ASSIGN_OR_RETURN(const InsertedLines inserted,
+                             InsertPolylines(features, mesh, adjacency, creases, context));
+  if (inserted.split_faces > 0) p.input.repairs.push_back({"split_faces_along_features", inserted.split_faces});
+  if (inserted.moved_points > 0) p.input.repairs.push_back({"moved_feature_points", inserted.moved_points});
+  return absl::OkStatus();
+}
+
 // Mends the scaled input and finds its creases; the surface is cut open along them.
 absl::StatusOr<std::unique_ptr<MeshSurface>> MakeSurface(TriangleMesh mesh, std::optional<FaceAdjacency> adjacency,
-                                                         const RemeshOptions& options, Preparation& p,
-                                                         const Context& context) {
-  if (!options.crease_angle && mesh.attributes.empty() && !p.region)
+                                                         Polylines features, Preparation& p, const Context& context) {
+  const RemeshOptions options = p.parameters.options;
+  if (!options.crease_angle && mesh.attributes.empty() && features.segments.empty() && !p.region)
     return MeshSurface::Create(std::move(mesh), std::move(adjacency), context);
   if (!adjacency) adjacency = FindOrientedAdjacency(mesh);
   if (!adjacency) return absl::InvalidArgumentError("the mesh is not an oriented manifold; repair it first");
@@ -111,6 +125,7 @@ absl::StatusOr<std::unique_ptr<MeshSurface>> MakeSurface(TriangleMesh mesh, std:
     MESHFRONT_ASSIGN_OR_RETURN(creases,
                                MendAndFindCreases(mesh, *adjacency, options, reach, kept, p.input.repairs, context));
   }
+  MESHFRONT_RETURN_IF_ERROR(InsertFeatures(std::move(features), mesh, *adjacency, creases, p, context));
   if (!mesh.attributes.empty()) p.has_flat_normals = MarkAttributeSeams(mesh, *adjacency, creases);
   if (!p.input.repairs.empty()) MarkSeams(mesh, *adjacency, creases);
   const bool is_mended = p.input.repairs.size() > repairs;
@@ -193,7 +208,7 @@ absl::Status MakeField(Preparation& p, const Context& context) {
   if (p.points)
     p.point_builder = std::make_unique<PointFieldBuilder>(*p.points, p.rims, limits);
   else
-    p.builder = std::make_unique<FieldBuilder>(*p.surface, limits);
+    p.builder = std::make_shared<FieldBuilder>(*p.surface, limits);
   const std::optional<uint64_t> count = std::exchange(options.target_triangles, std::nullopt);
   p.parameters.target_triangles = count.value_or(0);
   if (!count) p.parameter = ParameterOf(options, p);
@@ -344,11 +359,40 @@ absl::StatusOr<RepairResult> RepairInputOfRegion(TriangleMesh mesh, const Contex
   return StatusOfException();
 }
 
+namespace {
+
+absl::Status SetLoops(Preparation& p, const Context& context) {
+  if (p.points) {
+    SetPointFronts(p);
+    return absl::OkStatus();
+  }
+  MESHFRONT_ASSIGN_OR_RETURN(p.loops, BoundaryLoops(*p.surface, *p.field, MaxSagitta(p), context));
+  return absl::OkStatus();
+}
+
+absl::Status CheckFeatures(const Problem& problem) {
+  if (problem.features.segments.empty()) return absl::OkStatus();
+  if (problem.region)
+    return absl::InvalidArgumentError("options.features is set beside options.region; they exclude one another");
+  if (!problem.prepared && IsMeshedAsPoints(problem))
+    return absl::InvalidArgumentError("options.features is set; it needs a mesh, and this is a point set");
+  return ValidatePolylines(problem.features);
+}
+
+}  // namespace
+
 absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {
   MESHFRONT_RETURN_IF_ERROR(ValidateOptions(problem.options));
   const bool needs_mesh =
       !problem.region || problem.options.surface == SurfaceKind::kMls || problem.options.surface == SurfaceKind::kImls;
   if (problem.prepared && needs_mesh) problem.mesh = std::exchange(problem.prepared, nullptr)->Input();
+  if (!problem.options.lod_rhos.empty()) {
+    if (problem.region) {
+      return absl::InvalidArgumentError("options.region is set beside options.lod_rhos; they exclude one another");
+    }
+    problem.options.rho = std::exchange(problem.options.lod_rhos, {}).front();
+  }
+  MESHFRONT_RETURN_IF_ERROR(CheckFeatures(problem));
   if (!problem.prepared && IsMeshedAsPoints(problem)) return PreparePoints(std::move(problem), context);
   const RemeshOptions options = problem.options;
   Preparation p;
@@ -362,8 +406,8 @@ absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {
   p.seconds.repair = watch.Lap();
 
   context.Report({Stage::kIndex});
-  MESHFRONT_ASSIGN_OR_RETURN(p.surface,
-                             MakeSurface(std::move(problem.mesh), std::move(adjacency), options, p, context));
+  MESHFRONT_ASSIGN_OR_RETURN(
+      p.surface, MakeSurface(std::move(problem.mesh), std::move(adjacency), std::move(problem.features), p, context));
   p.seconds.index = watch.Lap();
 
   context.Report({Stage::kCurvature});
@@ -376,7 +420,7 @@ absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {
   p.seconds.guidance = watch.Lap();
 
   context.Report({Stage::kFeatures});
-  MESHFRONT_ASSIGN_OR_RETURN(p.loops, BoundaryLoops(*p.surface, *p.field, MaxSagitta(p), context));
+  MESHFRONT_RETURN_IF_ERROR(SetLoops(p, context));
   p.seeds = p.surface->Seeds();
   p.seconds.features = watch.Lap();
   return p;
@@ -389,11 +433,25 @@ absl::Status PrepareAgain(absl::Span<const Vec3> finer_at, std::optional<uint64_
     p.points ? p.point_builder->AddSample(sample) : p.builder->AddSample(sample);
   }
   MESHFRONT_RETURN_IF_ERROR(SetField(count, p, context));
-  if (p.points) {
-    SetPointFronts(p);
-    return absl::OkStatus();
-  }
-  MESHFRONT_ASSIGN_OR_RETURN(p.loops, BoundaryLoops(*p.surface, *p.field, MaxSagitta(p), context));
+  return SetLoops(p, context);
+}
+
+absl::Status LevelStart::Prepare(double rho, Preparation& p, const Context& context) const {
+  Stopwatch watch;
+  p.input = input_, p.parameters = parameters_;
+  p.surface = surface_, p.builder = builder_, p.seeds = seeds_;
+  p.points = points_, p.point_builder = point_builder_, p.rims = rims_;
+  p.lost_rims = lost_rims_, p.lost_places = lost_places_, p.widened = 1;
+  p.more_seeds.clear();
+  p.points ? p.point_builder->ClearAddedSamples() : p.builder->ClearAddedSamples();
+  p.parameter = p.parameters.options.rho = rho;
+  p.seconds = {};
+  context.Report({Stage::kGuidance});
+  MESHFRONT_RETURN_IF_ERROR(SetField(std::nullopt, p, context));
+  p.seconds.guidance = watch.Lap();
+  context.Report({Stage::kFeatures});
+  MESHFRONT_RETURN_IF_ERROR(SetLoops(p, context));
+  p.seconds.features = watch.Lap();
   return absl::OkStatus();
 }
 

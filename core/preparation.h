@@ -25,12 +25,12 @@ struct Preparation {
   ParametersInForce parameters;
   std::unique_ptr<RegionParts> region;     // none: the surface is that of all
   std::optional<RegionReport> everything;  // where a region was asked for that is all of the mesh
-  std::unique_ptr<MeshSurface> surface;    // of what is to be meshed; null for a point set
+  std::shared_ptr<MeshSurface> surface;    // of what is to be meshed; null for a point set
   MeshAttributes attributes;               // of the surface's faces
   bool has_flat_normals = false;           // the attribute's are those of flat faces
-  std::unique_ptr<FieldBuilder> builder;
-  std::unique_ptr<PointSurface> points;  // of a point set; null for a mesh
-  std::unique_ptr<PointFieldBuilder> point_builder;
+  std::shared_ptr<FieldBuilder> builder;
+  std::shared_ptr<PointSurface> points;  // of a point set; null for a mesh
+  std::shared_ptr<PointFieldBuilder> point_builder;
   std::vector<RimCurve> rims;     // of the point set
   uint64_t lost_rims = 0;         // its curves that could not be followed
   std::vector<Vec3> lost_places;  // along them
@@ -67,5 +67,37 @@ absl::StatusOr<bool> WidenSupports(absl::Span<const Vec3> places, double factor,
 // of triangles, where one is given. The errors of Remesh.
 absl::Status PrepareAgain(absl::Span<const Vec3> finer_at, std::optional<uint64_t> count, Preparation& preparation,
                           const Context& context);
+
+// A preparation as it is before the first attempt, so that every level of detail begins there. Cheap: the surface is shared.
+class LevelStart {
+ public:
+  explicit LevelStart(const Preparation& p)
+      : input_(p.input),
+        parameters_(p.parameters),
+        surface_(p.surface),
+        builder_(p.builder),
+        points_(p.points),
+        point_builder_(p.point_builder),
+        rims_(p.rims),
+        lost_rims_(p.lost_rims),
+        lost_places_(p.lost_places),
+        seeds_(p.seeds) {}
+
+  // Surface, seeds and options as they were, with another rho, and the field and the initial fronts for it: those that a problem with
+  // that rho has, if it is larger than all before. `seconds` of the preparation are of this alone. The errors of Remesh.
+  absl::Status Prepare(double rho, Preparation& preparation, const Context& context) const;
+
+ private:
+  InputReport input_;
+  ParametersInForce parameters_;
+  std::shared_ptr<MeshSurface> surface_;
+  std::shared_ptr<FieldBuilder> builder_;
+  std::shared_ptr<PointSurface> points_;
+  std::shared_ptr<PointFieldBuilder> point_builder_;
+  std::vector<RimCurve> rims_;
+  uint64_t lost_rims_;
+  std::vector<Vec3> lost_places_;
+  std::vector<SourcePoint> seeds_;
+};
 
 }  // namespace meshfront

@@ -24,6 +24,7 @@ namespace meshfront {
 namespace {
 
 constexpr uint64_t kMinTargetTriangles = 4;  // a tetrahedron
+constexpr double kMaxRho = 2 * std::numbers::pi / 3;
 constexpr double kMaxBlend = 1000;
 constexpr double kMinMlsRadius = 2, kMaxMlsRadius = 16;
 
@@ -109,6 +110,24 @@ absl::Status CheckSizing(const RemeshOptions& o) {
   return absl::InvalidArgumentError(absl::StrCat("options.target_triangles is set beside options.",
                                                  o.max_error ? "max_error" : "edge_length",
                                                  "; they exclude one another"));
+}
+
+absl::Status CheckLevels(const RemeshOptions& o) {
+  if (o.lod_rhos.empty()) return absl::OkStatus();
+  if (o.lod_rhos.size() > kMaxLevels) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("options.lod_rhos has ", o.lod_rhos.size(), " values; it must have at most ", kMaxLevels));
+  }
+  for (size_t i = 0; i < o.lod_rhos.size(); ++i) {
+    const double rho = o.lod_rhos[i], least = i > 0 ? o.lod_rhos[i - 1] : 0;
+    if (rho > least && rho <= kMaxRho) continue;
+    return absl::InvalidArgumentError(absl::StrCat("options.lod_rhos[", i, "] is ", rho, "; it must be in (", least,
+                                                   ", 2π/3], larger than the one before"));
+  }
+  const bool by_rho = o.sizing == Sizing::kAngle || o.sizing == Sizing::kThickness;
+  if (by_rho && !o.target_triangles) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat("options.lod_rhos is set; it can't be with options.",
+                                                 by_rho ? "target_triangles" : "sizing error or uniform"));
 }
 
 int ThreadsInForce(const Context& context) {
@@ -230,7 +249,7 @@ std::vector<std::pair<double, double>> PredictedLengths(const Preparation& p, do
 }  // namespace
 
 absl::Status ValidateOptions(const RemeshOptions& o) {
-  if (!(o.rho > 0 && o.rho <= 2 * std::numbers::pi / 3)) {
+  if (!(o.rho > 0 && o.rho <= kMaxRho)) {
     return absl::InvalidArgumentError(absl::StrCat("options.rho is ", o.rho, "; it must be in (0, 2π/3]"));
   }
   if (!(o.eta > 1 && o.eta < 2)) {
@@ -252,12 +271,14 @@ absl::Status ValidateOptions(const RemeshOptions& o) {
   MESHFRONT_RETURN_IF_ERROR(CheckLength("edge_length", o.edge_length));
   MESHFRONT_RETURN_IF_ERROR(CheckLength("min_edge", o.min_edge));
   MESHFRONT_RETURN_IF_ERROR(CheckLength("max_edge", o.max_edge));
+  MESHFRONT_RETURN_IF_ERROR(CheckLevels(o));
   return CheckSizing(o);
 }
 
-absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& context) try {
-  const Clock::time_point start = Clock::now();
-  MESHFRONT_ASSIGN_OR_RETURN(Preparation p, Prepare(std::move(problem), context));
+namespace {
+
+// From a preparation to the report, `start` being when it began.
+absl::StatusOr<Report> RemeshPrepared(Preparation& p, MeshSink& sink, Clock::time_point start, const Context& context) {
   const double prepared = SecondsSince(start);
   const std::vector<uint32_t> border = p.region ? BorderOf(*p.region, *p.surface) : std::vector<uint32_t>();
   std::optional<RegionSink> joined;
@@ -307,11 +328,42 @@ absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& co
   if (has_other_topology) report.warnings.push_back(OtherTopology(p.input.topology, report.output));
   ReportRegion(p, front, report);
   return report;
+}
+
+}  // namespace
+
+absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& context) try {
+  const Clock::time_point start = Clock::now();
+  if (!problem.options.lod_rhos.empty())
+    return absl::InvalidArgumentError("options.lod_rhos is set; levels of detail are what RemeshLevels makes");
+  MESHFRONT_ASSIGN_OR_RETURN(Preparation p, Prepare(std::move(problem), context));
+  return RemeshPrepared(p, sink, start, context);
+} catch (const std::exception&) {
+  return StatusOfException();
+}
+
+absl::Status RemeshLevels(Problem problem, LevelSink& sink, const Context& context) try {
+  Clock::time_point start = Clock::now();
+  const std::vector<double> rhos = problem.options.lod_rhos;
+  if (rhos.empty()) return absl::InvalidArgumentError("options.lod_rhos is empty; it must hold the rho of each level");
+  MESHFRONT_ASSIGN_OR_RETURN(Preparation p, Prepare(std::move(problem), context));
+  const LevelStart first(p);
+  for (size_t level = 0; level < rhos.size(); ++level) {
+    if (level > 0) {
+      start = Clock::now();
+      MESHFRONT_RETURN_IF_ERROR(first.Prepare(rhos[level], p, context));
+    }
+    MESHFRONT_ASSIGN_OR_RETURN(const Report report, RemeshPrepared(p, sink.BeginLevel(), start, context));
+    MESHFRONT_RETURN_IF_ERROR(sink.EndLevel(report));
+  }
+  return absl::OkStatus();
 } catch (const std::exception&) {
   return StatusOfException();
 }
 
 absl::StatusOr<Estimate> EstimateRemesh(Problem problem, const Context& context) try {
+  if (problem.options.lod_rhos.size() > 1)
+    return absl::InvalidArgumentError("options.lod_rhos has several values; estimate them one by one, by options.rho");
   MESHFRONT_ASSIGN_OR_RETURN(Preparation p, Prepare(std::move(problem), context));
   Estimate estimate;
   estimate.input = p.input;

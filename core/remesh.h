@@ -11,6 +11,7 @@
 #include "absl/status/statusor.h"
 #include "core/base/context.h"
 #include "core/mesh/mesh_sink.h"
+#include "core/mesh/polylines.h"
 #include "core/mesh/repair.h"
 #include "core/mesh/topology.h"
 #include "core/mesh/triangle_mesh.h"
@@ -45,6 +46,9 @@ struct RemeshOptions {
   // Solves for the one parameter of the sizing (rho, max_error or edge_length, which must not be set then; rho's value is
   // ignored) so that about this many triangles come out, ≥ 4.
   std::optional<uint64_t> target_triangles;
+  // Levels of detail: the rho of each, growing, at most 16; with Sizing::kAngle and Sizing::kThickness and without target_triangles
+  // and region. For RemeshLevels alone. Empty: one mesh with `rho`, whose value is ignored else.
+  std::vector<double> lod_rhos;
   std::optional<Length> min_edge;  // clamp of the edge length
   std::optional<Length> max_edge;
   // Edges across which the surface turns by more than this are kept as creases: degrees, (0, 180); none: nothing is.
@@ -61,6 +65,7 @@ struct RemeshOptions {
   double mls_radius = 4;  // radius of a sample's weight in local spacings, [2, 16]; of point sets
   bool repair = true;     // mend the input first, each change reported; false: refuse what would need it
 };
+inline constexpr size_t kMaxLevels = 16;
 // InvalidArgument naming the field, the value and the rule, e.g. "options.eta is 2.5; it must be in (1, 2)".
 absl::Status ValidateOptions(const RemeshOptions& options);
 
@@ -84,6 +89,9 @@ struct Problem {
   std::optional<Region> region;
   // In place of the mesh: what regions of it begin with (prepared_input.h). Without a region, the whole of it.
   std::shared_ptr<const PreparedInput> prepared = nullptr;
+  // Lines to be kept like creases, whatever crease_angle is: the surface's faces are split along them (features/line_insertion.h). Not with a
+  // region, nor for point sets.
+  Polylines features;
 };
 
 struct InputReport {
@@ -99,6 +107,7 @@ struct ParametersInForce {
   double detail = 0;              // absolute: curvature asks for no shorter edges, where a target needs that; 0: it may
   uint64_t target_triangles = 0;  // that it was solved for; 0: none
   double min_edge = 0, max_edge = 0;  // absolute
+  uint64_t feature_segments = 0;      // of Problem.features
   uint64_t clamped_samples = 0;       // sizing samples that a clamp changed
 };
 
@@ -137,6 +146,20 @@ struct Report {
 // creases, the beginning of the output, or all of it, is held back, to be made again where it came out wrong (attempts.h); else all
 // comes as it settles.
 absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& context);
+
+// Where the meshes of RemeshLevels go, one after the other. Implemented by the server and by tests.
+class LevelSink {
+ public:
+  virtual ~LevelSink() = default;
+  // The sink of the next level, the one with the smallest rho first; it stays until EndLevel.
+  virtual MeshSink& BeginLevel() = 0;
+  // The level is whole. A status that is not OK ends the job and is returned.
+  virtual absl::Status EndLevel(const Report& report) = 0;
+};
+
+// A mesh for each of options.lod_rhos: repair, index, curvature and creases are made once, the field, the fronts and a report for each.
+// Each is the mesh that Remesh makes with that rho. The errors of Remesh; with one, those levels that are whole are no chain.
+absl::Status RemeshLevels(Problem problem, LevelSink& sink, const Context& context);
 
 struct Estimate {
   InputReport input;

@@ -15,9 +15,10 @@ namespace meshfront {
 struct Engine {
   std::function<absl::StatusOr<Report>(Problem, MeshSink&, const Context&)> remesh;
   std::function<absl::StatusOr<Estimate>(Problem, const Context&)> estimate;
+  std::function<absl::Status(Problem, LevelSink&, const Context&)> remesh_levels;
 };
 
-// Remesh and EstimateRemesh of core.
+// Remesh, EstimateRemesh and RemeshLevels of core.
 Engine CoreEngine();
 
 }  // namespace meshfront

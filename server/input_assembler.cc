@@ -93,6 +93,12 @@ absl::Status InputAssembler::Accept(const v1::Header& header) {
       return absl::InvalidArgumentError("header.input is not set; it must be mesh, points, file or session_id");
   }
   MESHFRONT_RETURN_IF_ERROR(AnnounceRegion(header.options()));
+  MESHFRONT_RETURN_IF_ERROR(AnnounceFeatures(header.options(), header));
+  if (!header.options().lod_rhos().empty() && (keeps_session_ || names_session_)) {
+    return absl::InvalidArgumentError(absl::StrCat("options.lod_rhos is set beside ",
+                                                   keeps_session_ ? "keep_session" : "session_id",
+                                                   "; sessions are for one mesh at a time"));
+  }
   MESHFRONT_RETURN_IF_ERROR(CheckAnnouncedBytes());
   state_ = State::kBlocks;
   return absl::OkStatus();
@@ -187,6 +193,21 @@ absl::Status InputAssembler::AnnounceRegion(const v1::RemeshOptions& options) {
   return absl::OkStatus();
 }
 
+absl::Status InputAssembler::AnnounceFeatures(const v1::RemeshOptions& options, const v1::Header& header) {
+  if (!options.has_features()) return absl::OkStatus();
+  if (header.has_points())
+    return absl::InvalidArgumentError("options.features is set; it needs a mesh, and this is a point set");
+  const uint64_t points = options.features().point_count(), segments = options.features().segment_count();
+  MESHFRONT_RETURN_IF_ERROR(CheckCount("options.features.point_count", points, limits_.max_vertices));
+  MESHFRONT_RETURN_IF_ERROR(CheckCount("options.features.segment_count", segments, limits_.max_triangles));
+  MESHFRONT_ASSIGN_OR_RETURN(
+      const v1::ScalarType scalar,
+      ResolveScalarType(header.mesh().scalar_type(), v1::SCALAR_TYPE_FLOAT64, "mesh.scalar_type"));
+  arrays_.push_back(ArrayWriter::ForPoints(v1::ARRAY_FEATURE_POSITIONS, &input_.features.points, points, scalar));
+  arrays_.push_back(ArrayWriter::ForNumbers(v1::ARRAY_FEATURE_SEGMENTS, &segment_ends_, 2 * segments));
+  return absl::OkStatus();
+}
+
 ArrayWriter* InputAssembler::Find(v1::Array array) {
   const auto found =
       std::find_if(arrays_.begin(), arrays_.end(), [&](const ArrayWriter& a) { return a.array() == array; });
@@ -260,6 +281,9 @@ absl::Status InputAssembler::Accept(const v1::EndOfInput& end) {
   MESHFRONT_RETURN_IF_ERROR(ValidateAttributes(input_.mesh.attributes, input_.mesh.triangles.size()));
   for (Vec3& normal : input_.mesh.normals) normal = IsFinite(normal) ? Normalized(normal) : Vec3{};
   if (!region_faces_.empty()) input_.region->shape = std::exchange(region_faces_, {});
+  for (size_t i = 0; i < segment_ends_.size(); i += 2)
+    input_.features.segments.push_back({segment_ends_[i], segment_ends_[i + 1]});
+  MESHFRONT_RETURN_IF_ERROR(ValidatePolylines(input_.features));
   state_ = State::kWhole;
   return absl::OkStatus();
 }

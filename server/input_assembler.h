@@ -20,6 +20,7 @@ namespace meshfront {
 struct AssembledInput {
   TriangleMesh mesh;
   std::optional<Region> region;  // the part of it to remesh
+  Polylines features;            // to be kept
   std::vector<uint8_t> file;
   Format format = Format::kUnknown;
   std::string file_name;
@@ -76,6 +77,7 @@ class InputAssembler {
   absl::Status AnnounceSession(const std::string& id);
   absl::Status CheckAnnouncedBytes() const;
   absl::Status AnnounceRegion(const v1::RemeshOptions& options);
+  absl::Status AnnounceFeatures(const v1::RemeshOptions& options, const v1::Header& header);
   absl::Status CheckNewIndices();
   uint64_t GrowthFor(const v1::DataBlock& block);
   ArrayWriter* Find(v1::Array array);
@@ -93,6 +95,7 @@ class InputAssembler {
   Sha256 sha256_;
   AssembledInput input_;
   std::vector<uint32_t> region_faces_;
+  std::vector<uint32_t> segment_ends_;  // of features, two each
   std::vector<ArrayWriter> arrays_;
 };
 

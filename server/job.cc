@@ -35,6 +35,7 @@ struct ParsedInput {
   TriangleMesh mesh;
   std::shared_ptr<const PreparedInput> prepared;  // in its place
   std::optional<Region> region;
+  Polylines features;
   std::vector<std::string> warnings;
   std::vector<std::string> dropped_attributes;
 };
@@ -58,7 +59,7 @@ absl::StatusOr<ParsedInput> ParseFile(const ServiceState& state, PendingBytes::L
     read.mesh.dropped_attributes.push_back(channel.name);
   read.mesh.attributes = {};
   MESHFRONT_RETURN_IF_ERROR(lease.Hold(AllocatedBytes(read.mesh)));  // the bytes of the file go with this call's end
-  return ParsedInput{std::move(read.mesh), nullptr, std::nullopt, std::move(read.warnings), {}};
+  return ParsedInput{std::move(read.mesh), nullptr, std::nullopt, {}, std::move(read.warnings), {}};
 }
 
 absl::StatusOr<ParsedInput> ParseInput(ServiceState& state, Job& job) {
@@ -72,6 +73,7 @@ absl::StatusOr<ParsedInput> ParseInput(ServiceState& state, Job& job) {
     MESHFRONT_ASSIGN_OR_RETURN(parsed, ParseFile(state, job.lease, input));
   }
   parsed.region = std::move(input.region);
+  parsed.features = std::move(input.features);
   parsed.dropped_attributes = parsed.mesh.dropped_attributes;
   return parsed;
 }
@@ -161,6 +163,25 @@ absl::Status SendRemovedFaces(const Job& job, const std::vector<uint32_t>& faces
   return absl::OkStatus();
 }
 
+// The end of a mesh: what is left of it, and its summary.
+absl::Status FinishMesh(Job& job, const ParsedInput& input, const JobTimes& times, StreamSink& sink,
+                        const Report& report, uint32_t level) {
+  MESHFRONT_RETURN_IF_ERROR(sink.Flush());
+  if (report.region) MESHFRONT_RETURN_IF_ERROR(SendRemovedFaces(job, report.region->removed_faces));
+  job.summary = SummaryFromReport(report);
+  job.summary.set_level(level);
+  FillCommon(input, job.summary);
+  FillSummary(job, times, sink, job.summary);
+  return absl::OkStatus();
+}
+
+// The commit mark, where it is the last.
+absl::Status SendSummary(Job& job) {
+  v1::MeshEvent event;
+  *event.mutable_summary() = job.summary;
+  return job.events->Push(std::move(event));
+}
+
 // Says in the summary what is kept of the input, or in a warning why nothing is.
 absl::Status KeepSession(ServiceState& state, Job& job, const std::string& id, const ParsedInput& input) {
   std::string name = id;
@@ -181,6 +202,29 @@ absl::Status KeepSession(ServiceState& state, Job& job, const std::string& id, c
   return absl::OkStatus();
 }
 
+// Streams one level after the other, each with its own chunks and summary.
+class LevelStream : public LevelSink {
+ public:
+  // `times`: of the first level, `done` open. All outlive it.
+  LevelStream(Job& job, const ParsedInput& input, JobTimes times) : job_(job), input_(input), times_(times) {}
+
+  MeshSink& BeginLevel() override { return sink_.emplace(*job_.events, job_.output); }
+  absl::Status EndLevel(const Report& report) override {
+    times_.done = absl::Now();
+    MESHFRONT_RETURN_IF_ERROR(FinishMesh(job_, input_, times_, *sink_, report, level_++));
+    MESHFRONT_RETURN_IF_ERROR(SendSummary(job_));
+    times_.parsed = absl::Now();
+    return absl::OkStatus();
+  }
+
+ private:
+  Job& job_;
+  const ParsedInput& input_;
+  JobTimes times_;
+  std::optional<StreamSink> sink_;
+  uint32_t level_ = 0;
+};
+
 absl::Status RemeshBody(ServiceState& state, Job& job) {
   JobTimes times;
   times.started = absl::Now();
@@ -194,19 +238,19 @@ absl::Status RemeshBody(ServiceState& state, Job& job) {
     MESHFRONT_ASSIGN_OR_RETURN(input.prepared,
                                PreparedInput::Create(std::move(input.mesh), job.options.repair, context));
   }
+  Problem problem{std::move(input.mesh), job.options, std::move(input.region), input.prepared,
+                  std::move(input.features)};
+  if (!job.options.lod_rhos.empty()) {
+    LevelStream levels(job, input, times);
+    MESHFRONT_RETURN_IF_ERROR(state.engine.remesh_levels(std::move(problem), levels, context));
+    return job.events->Drain();
+  }
   StreamSink sink(*job.events, job.output);
-  Problem problem{std::move(input.mesh), job.options, std::move(input.region), input.prepared};
   MESHFRONT_ASSIGN_OR_RETURN(const Report report, state.engine.remesh(std::move(problem), sink, context));
   times.done = absl::Now();
-  MESHFRONT_RETURN_IF_ERROR(sink.Flush());
-  if (report.region) MESHFRONT_RETURN_IF_ERROR(SendRemovedFaces(job, report.region->removed_faces));
-  job.summary = SummaryFromReport(report);
-  FillCommon(input, job.summary);
-  FillSummary(job, times, sink, job.summary);
+  MESHFRONT_RETURN_IF_ERROR(FinishMesh(job, input, times, sink, report, 0));
   MESHFRONT_RETURN_IF_ERROR(KeepSession(state, job, session_id, input));
-  v1::MeshEvent event;
-  *event.mutable_summary() = job.summary;
-  MESHFRONT_RETURN_IF_ERROR(job.events->Push(std::move(event)));
+  MESHFRONT_RETURN_IF_ERROR(SendSummary(job));
   return job.events->Drain();
 }
 
@@ -218,9 +262,10 @@ absl::Status EstimateBody(ServiceState& state, Job& job) {
   Context context = ContextOf(state, job, times.started);
   context.progress = nullptr;
   MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
-  MESHFRONT_ASSIGN_OR_RETURN(
-      const Estimate estimate,
-      state.engine.estimate({std::move(input.mesh), job.options, std::move(input.region), input.prepared}, context));
+  MESHFRONT_ASSIGN_OR_RETURN(const Estimate estimate,
+                             state.engine.estimate({std::move(input.mesh), job.options, std::move(input.region),
+                                                    input.prepared, std::move(input.features)},
+                                                   context));
   times.done = absl::Now();
   job.estimate = EstimateToProto(estimate);
   FillCommon(input, job.estimate);

@@ -12,6 +12,7 @@
 #include "absl/strings/strip.h"
 #include "absl/types/span.h"
 #include "core/base/status_macros.h"
+#include "core/remesh.h"
 #include "proto/wire/host_port.h"
 
 namespace meshfront {
@@ -181,8 +182,25 @@ absl::Status FillRegion(const MeshingFlags& flags, v1::RemeshOptions* options) {
   return WrongValue("--region", *flags.region, "sphere:x,y,z,r or box:x0,y0,z0,x1,y1,z1 or faces:FILE");
 }
 
+// --lod goes with none of what else sizes or chooses.
+absl::Status FillLevels(const MeshingFlags& flags, v1::RemeshOptions* options) {
+  if (!flags.lod) return absl::OkStatus();
+  if (flags.region) return Contradiction("--lod", "--region");
+  const std::vector<absl::string_view> texts = absl::StrSplit(*flags.lod, ',');
+  double last = 0;
+  for (const absl::string_view text : texts) {
+    MESHFRONT_ASSIGN_OR_RETURN(const double rho, ParseNumber("--lod", text, kRho));
+    if (rho <= last) return WrongValue("--lod", *flags.lod, "a list of growing values of rho, such as 0.3,0.8,1.5");
+    options->add_lod_rhos(last = rho);
+  }
+  if (texts.size() <= kMaxLevels) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat("--lod has ", texts.size(), " values; it must have at most ", kMaxLevels));
+}
+
 absl::Status CheckSizingFlags(const MeshingFlags& flags, v1::Sizing sizing) {
   const std::vector<std::pair<const char*, const Text*>> exclusive = {{"--rho", &flags.rho},
+                                                                      {"--lod", &flags.lod},
                                                                       {"--max-error", &flags.max_error},
                                                                       {"--edge-length", &flags.edge_length},
                                                                       {"--target-triangles", &flags.target_triangles}};
@@ -194,6 +212,7 @@ absl::Status CheckSizingFlags(const MeshingFlags& flags, v1::Sizing sizing) {
   }
   const std::string given = absl::StrCat("--sizing ", flags.sizing.value_or("angle"));
   if (flags.rho && sizing != v1::SIZING_ANGLE && sizing != v1::SIZING_THICKNESS) return Contradiction("--rho", given);
+  if (flags.lod && sizing != v1::SIZING_ANGLE && sizing != v1::SIZING_THICKNESS) return Contradiction("--lod", given);
   if (flags.max_error && sizing != v1::SIZING_ERROR) return Contradiction("--max-error", given);
   if (flags.edge_length && sizing != v1::SIZING_UNIFORM) return Contradiction("--edge-length", given);
   if (sizing == v1::SIZING_UNIFORM && !flags.edge_length && !flags.target_triangles) {
@@ -203,7 +222,7 @@ absl::Status CheckSizingFlags(const MeshingFlags& flags, v1::Sizing sizing) {
 }
 
 absl::Status CheckBuilt(const MeshingFlags& flags) {
-  if (flags.features) return NotYet("--features");
+  if (flags.features && flags.region) return Contradiction("--features", "--region");
   if (!flags.seed_points.empty()) return NotYet("--seed-point");
   if (flags.region && (flags.surface == "mls" || flags.surface == "imls"))
     return NotYet(absl::StrCat("--region with --surface ", *flags.surface));
@@ -286,6 +305,7 @@ absl::StatusOr<v1::RemeshOptions> ParseMeshingFlags(const MeshingFlags& flags) {
   MESHFRONT_RETURN_IF_ERROR(CheckSizingFlags(flags, sizing));
   MESHFRONT_RETURN_IF_ERROR(CheckBuilt(flags));
   MESHFRONT_RETURN_IF_ERROR(FillRegion(flags, &options));
+  MESHFRONT_RETURN_IF_ERROR(FillLevels(flags, &options));
   options.set_sizing(sizing);
   if (flags.crease_angle == "off") options.mutable_crease()->set_off(true);
   if (flags.crease_angle && *flags.crease_angle != "off") {

@@ -16,7 +16,7 @@ namespace meshfront {
 // flag, the value and the rule.
 struct MeshingFlags {
   using Text = std::optional<std::string>;
-  Text rho, eta, max_error, sizing, target_triangles, edge_length, min_edge, max_edge;
+  Text rho, lod, eta, max_error, sizing, target_triangles, edge_length, min_edge, max_edge;
   Text crease_angle, features, attributes, region, blend, surface, mls_radius;
   std::vector<std::string> seed_points;
   Text flips, smooth, fit, threads, repair;

@@ -5,6 +5,7 @@
 #include "client/cli/call_failure.h"
 #include "client/cli/commands.h"
 #include "client/cli/connection.h"
+#include "client/cli/feature_lines.h"
 #include "client/cli/input.h"
 #include "client/cli/process.h"
 #include "client/cli/stats.h"
@@ -18,12 +19,15 @@ struct EstimateCall {
   CallOptions call;
   double timeout = 0;
   Format format = Format::kUnknown;
+  FeatureLines features;
 };
 
 absl::StatusOr<EstimateCall> Parse(const EstimateArguments& arguments) {
   EstimateCall parsed;
   MESHFRONT_ASSIGN_OR_RETURN(parsed.call.options, ParseMeshingFlags(arguments.meshing));
   MESHFRONT_ASSIGN_OR_RETURN(parsed.call.region_faces, ReadRegionFaces(arguments.meshing.region));
+  MESHFRONT_ASSIGN_OR_RETURN(parsed.features, ReadFeatureLines(arguments.meshing.features));
+  parsed.call.features = parsed.features.lines;
   MESHFRONT_ASSIGN_OR_RETURN(parsed.timeout, ParseTimeout(arguments.call.timeout));
   if (!arguments.call.server.empty()) MESHFRONT_RETURN_IF_ERROR(CheckServerAddress(arguments.call.server));
   MESHFRONT_ASSIGN_OR_RETURN(parsed.format, FormatFor(arguments.in, arguments.call.in_format, "--in-format"));
@@ -61,7 +65,11 @@ ExitCode RunEstimate(const EstimateArguments& arguments) {
   const absl::StatusOr<v1::EstimateResponse> estimate =
       (*connection)->client().Estimate(std::move(read->mesh), parsed->call);
   interruption.OnSignal([] {});
-  if (!estimate.ok()) return FailCall(estimate.status(), {arguments.in, arguments.call.server, parsed->timeout});
+  if (!estimate.ok()) {
+    const absl::Status told =
+        WithFeatureLine(estimate.status(), arguments.meshing.features.value_or(""), parsed->features);
+    return FailCall(told, {arguments.in, arguments.call.server, parsed->timeout});
+  }
   PrintWarnings(read->warnings);
   if (arguments.json)
     std::cout << EstimateJson(*estimate).dump(2) << "\n";

@@ -50,7 +50,7 @@ void AddMeshingFlags(CLI::App* command, MeshingFlags* flags) {
   command->add_option("--attributes", flags->attributes,
                       "keep, drop: UV, normals, colours, materials, …; their seams become feature curves [keep]");
   command->add_option("--surface", flags->surface, "auto, mesh, imls, mls [auto]");
-  command->add_option("--features", flags->features, "extra feature polylines (not yet)");
+  command->add_option("--features", flags->features, "OBJ with lines (v and l) on the surface to be kept like creases");
   command->add_option("--region", flags->region,
                       "remesh only the faces inside sphere:x,y,z,r or box:x0,y0,z0,x1,y1,z1, or faces:FILE (numbers "
                       "from 0, one a line, of the triangles that polygons are cut into)");
@@ -72,6 +72,9 @@ void AddRemesh(CLI::App* program, RemeshArguments* arguments) {
   command->add_option("IN", arguments->in, "OFF OBJ PLY STL GLB glTF XYZ, or - for standard input")->required();
   command->add_option("OUT", arguments->out, "OFF OBJ PLY STL GLB glTF, or - for standard output")->required();
   AddMeshingFlags(command, &arguments->meshing);
+  command->add_option("--lod", arguments->meshing.lod,
+                      "levels of detail, by growing values of rho (0.3,0.8,1.5): one glTF (MSFT_lod), else "
+                      "OUT.lod0, OUT.lod1, …");
   AddCallFlags(command, &arguments->call);
   command->add_option("--out-format", arguments->call.out_format, "format of OUT when it is -");
   command->add_option("--stats", arguments->stats, "write what was done, and how well, as JSON");

@@ -12,8 +12,10 @@
 #include "client/cli/call_failure.h"
 #include "client/cli/commands.h"
 #include "client/cli/connection.h"
+#include "client/cli/feature_lines.h"
 #include "client/cli/figures.h"
 #include "client/cli/input.h"
+#include "client/cli/levels.h"
 #include "client/cli/picture/before_after.h"
 #include "client/cli/process.h"
 #include "client/cli/result_collector.h"
@@ -47,7 +49,11 @@ class RemeshCommand {
       const ExitCode code = (this->*step)();
       if (code != ExitCode::kDone) return code;
     }
-    return summary_.complete() ? ExitCode::kDone : ReportOpenPlaces();
+    ExitCode code = ExitCode::kDone;
+    for (size_t level = 0; level < level_count(); ++level) {
+      if (!summaries_[level].complete()) code = ReportOpenPlaces(level);
+    }
+    return code;
   }
 
  private:
@@ -59,6 +65,8 @@ class RemeshCommand {
   absl::Status TryParseArguments() {
     MESHFRONT_ASSIGN_OR_RETURN(call_.options, ParseMeshingFlags(arguments_.meshing));
     MESHFRONT_RETURN_IF_ERROR(ParseRegion());
+    MESHFRONT_ASSIGN_OR_RETURN(features_, ReadFeatureLines(arguments_.meshing.features));
+    call_.features = features_.lines;
     MESHFRONT_ASSIGN_OR_RETURN(timeout_, ParseTimeout(arguments_.call.timeout));
     if (remote()) MESHFRONT_RETURN_IF_ERROR(CheckServerAddress(arguments_.call.server));
     MESHFRONT_RETURN_IF_ERROR(ParseSession());
@@ -71,6 +79,9 @@ class RemeshCommand {
           "OUT is ", arguments_.out, "; its ending must be off, obj, ply, stl, glb or gltf, or give --out-format"));
     }
     MESHFRONT_RETURN_IF_ERROR(CheckWritable(out_format_));
+    if (has_level_files() && arguments_.out == "-")
+      return absl::InvalidArgumentError(
+          "OUT is -; with --lod it must be a file, or GLB or glTF, which hold all levels");
     MESHFRONT_RETURN_IF_ERROR(CheckEndings());
     MESHFRONT_RETURN_IF_ERROR(CheckNoneCollide(Outputs()));
     MESHFRONT_RETURN_IF_ERROR(CheckInputsStay());
@@ -98,6 +109,10 @@ class RemeshCommand {
     }
     if (!session.empty() && !kept.empty())
       return absl::InvalidArgumentError("--session and --keep-session contradict each other; give one of them");
+    if (has_levels()) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("--lod and ", kept.empty() ? "--session" : "--keep-session", " contradict each other"));
+    }
     call_.keep_session = !kept.empty();
     if (session.empty()) return absl::OkStatus();
     if (arguments_.in != "-")
@@ -121,22 +136,31 @@ class RemeshCommand {
   }
 
   std::vector<NamedOutput> Outputs() const {
-    return {{"OUT", arguments_.out},
-            {"--stats", arguments_.stats},
-            {"--trace", arguments_.trace},
-            {"--picture", arguments_.picture},
-            {"--write-repaired", arguments_.write_repaired},
-            {"--removed", arguments_.removed},
-            {"--keep-session", arguments_.keep_session}};
+    std::vector<NamedOutput> outputs = {
+        {"--stats", arguments_.stats},     {"--trace", arguments_.trace},
+        {"--picture", arguments_.picture}, {"--write-repaired", arguments_.write_repaired},
+        {"--removed", arguments_.removed}, {"--keep-session", arguments_.keep_session}};
+    for (const std::string& path : OutPaths()) outputs.push_back({"OUT", path});
+    return outputs;
   }
 
-  // OUT may take the place of IN; nothing else may, nor anything that of the list of a region's faces.
+  // One, or one for each level.
+  std::vector<std::string> OutPaths() const {
+    if (!has_level_files()) return {arguments_.out};
+    std::vector<std::string> paths;
+    for (size_t level = 0; level < level_count(); ++level) paths.push_back(LevelPath(arguments_.out, level));
+    return paths;
+  }
+
+  // OUT may take the place of IN; nothing else may, nor anything that of the list of a region's faces or of lines.
   absl::Status CheckInputsStay() const {
     constexpr absl::string_view faces = "faces:";
     const std::string region = arguments_.meshing.region.value_or("");
     for (const NamedOutput& output : Outputs()) {
       if (arguments_.in != "-" && output.name != "OUT")
         MESHFRONT_RETURN_IF_ERROR(CheckNoneCollide({{"IN", arguments_.in}, output}));
+      if (arguments_.meshing.features)
+        MESHFRONT_RETURN_IF_ERROR(CheckNoneCollide({{"--features", *arguments_.meshing.features}, output}));
       if (absl::StartsWith(region, faces))
         MESHFRONT_RETURN_IF_ERROR(CheckNoneCollide({{"--region", region.substr(faces.size())}, output}));
       if (!arguments_.session.empty())
@@ -161,7 +185,7 @@ class RemeshCommand {
     if (!read.ok()) return Fail(ExitCodeOfRead(read.status()), read.status());
     input_ = std::move(read->mesh);
     warnings_ = std::move(read->warnings);
-    figures_.read = absl::ToDoubleSeconds(absl::Now() - begin);
+    figures_.front().read = absl::ToDoubleSeconds(absl::Now() - begin);
     asset_ = std::move(read->asset);
     ChooseAttributes();
     return ExitCode::kDone;
@@ -190,8 +214,7 @@ class RemeshCommand {
       asset_ = {};
     }
     channels_ = input_.attributes.channels;
-    const bool is_gltf = out_format_ == Format::kGlb || out_format_ == Format::kGltf;
-    is_asset_ = !input_.attributes.empty() || (is_gltf && asset_.gltf != nullptr);
+    is_asset_ = !input_.attributes.empty() || (is_gltf() && asset_.gltf != nullptr);
     if (wanted && !left_out.empty())
       warnings_.push_back(absl::StrCat("not carried over: ", absl::StrJoin(left_out, ", ")));
     const std::vector<std::string> files = is_asset_ ? FilesBeside(asset_) : std::vector<std::string>();
@@ -225,16 +248,18 @@ class RemeshCommand {
     CallCanceller canceller;
     call_.canceller = &canceller;
     interruption_.OnSignal([&canceller] { canceller.Cancel(); });
-    absl::StatusOr<ChunkSpool> spool = ChunkSpool::Create(SpoolFolderFor(arguments_.out));
-    if (!spool.ok()) return Fail(ExitCode::kOutput, spool.status());
-    spool_.emplace(*std::move(spool));
-    const ExitCode code = CallInto(*spool_);
+    while (spools_.size() < level_count()) {
+      absl::StatusOr<ChunkSpool> spool = ChunkSpool::Create(SpoolFolderFor(arguments_.out));
+      if (!spool.ok()) return Fail(ExitCode::kOutput, spool.status());
+      spools_.push_back(*std::move(spool));
+    }
+    const ExitCode code = CallIntoSpools();
     interruption_.OnSignal([] {});
     call_.canceller = nullptr;
     return code;
   }
 
-  ExitCode CallInto(ChunkSpool& spool) {
+  ExitCode CallIntoSpools() {
     std::unique_ptr<OutputFile> trace;
     if (!arguments_.trace.empty()) {
       absl::StatusOr<std::unique_ptr<OutputFile>> file = OutputFile::Create(arguments_.trace);
@@ -246,33 +271,51 @@ class RemeshCommand {
     if (!connection.ok()) return Fail(ExitCode::kInternalError, connection.status());
     if (timeout_ < kLongestTimeout) call_.deadline = absl::Now() + absl::Seconds(timeout_);
     ProgressBar bar(std::cerr, !arguments_.quiet && IsTerminal(std::cerr));
-    ResultCollector collector(spool, trace.get(), bar);
-    absl::StatusOr<v1::Summary> summary = (*connection)->client().Remesh(std::move(input_), call_, collector);
+    ResultCollector collector(spools_, trace.get(), bar);
+    absl::StatusOr<std::vector<v1::Summary>> summaries =
+        (*connection)->client().RemeshLevels(std::move(input_), call_, collector);
     bar.Clear();
-    collector.FillFigures(remote(), &figures_);
     removed_ = collector.removed_faces();
     // A trace of a failed job is worth keeping, and its own failure must not hide the job's.
     absl::Status finished = trace == nullptr ? absl::OkStatus() : trace->Commit();
     if (!collector.local_error().ok()) return Fail(ExitCode::kOutput, collector.local_error());
-    if (!summary.ok()) return FailCall(summary.status(), called_with());
-    summary_ = *std::move(summary);
-    warnings_.insert(warnings_.end(), summary_.warnings().begin(), summary_.warnings().end());
+    if (!summaries.ok()) {
+      return FailCall(WithFeatureLine(summaries.status(), arguments_.meshing.features.value_or(""), features_),
+                      called_with());
+    }
+    summaries_ = *std::move(summaries);
+    TakeFigures(collector);
     PrintWarnings(warnings_);
-    if (finished.ok()) finished = spool.Finish();
-    if (finished.ok()) finished = LookAtPart();
+    for (size_t level = 0; level < level_count() && finished.ok(); ++level) {
+      finished = spools_[level].Finish();
+      if (finished.ok()) finished = LookAtPart(spools_[level], summaries_[level]);
+    }
     if (absl::IsFailedPrecondition(finished)) return FailCall(finished, called_with());
     return finished.ok() ? ExitCode::kDone : Fail(ExitCode::kOutput, finished);
+  }
+
+  // Of all levels, with the warnings of each.
+  void TakeFigures(const ResultCollector& collector) {
+    const double read = figures_.front().read;
+    figures_.assign(level_count(), {});
+    figures_.front().read = read;
+    for (size_t level = 0; level < level_count(); ++level) {
+      collector.FillFigures(level, remote(), &figures_[level]);
+      figures_[level].remote = remote();
+      for (const std::string& warning : summaries_[level].warnings())
+        warnings_.push_back(level_count() > 1 ? absl::StrCat("level ", level, ": ", warning) : warning);
+    }
   }
 
   CalledWith called_with() const { return {arguments_.in, arguments_.call.server, timeout_}; }
 
   // An older server may call an empty mesh a result; what it says of a partial one may be wrong.
-  absl::Status LookAtPart() {
-    if (spool_->triangle_count() == 0)
+  static absl::Status LookAtPart(const ChunkSpool& spool, v1::Summary& summary) {
+    if (spool.triangle_count() == 0)
       return absl::FailedPreconditionError("not one triangle could be meshed; the server does not say why");
-    if (summary_.complete()) return absl::OkStatus();
-    MESHFRONT_ASSIGN_OR_RETURN(const TriangleMesh part, spool_->Load());
-    *summary_.mutable_output() = TopologyToProto(MeasureTopology(part));
+    if (summary.complete()) return absl::OkStatus();
+    MESHFRONT_ASSIGN_OR_RETURN(const TriangleMesh part, spool.Load());
+    *summary.mutable_output() = TopologyToProto(MeasureTopology(part));
     return absl::OkStatus();
   }
 
@@ -280,16 +323,28 @@ class RemeshCommand {
     const absl::Time begin = absl::Now();
     const absl::Status written = TryWriteResult();
     if (!written.ok()) return Fail(absl::IsCancelled(written) ? ExitCode::kCancelled : ExitCode::kOutput, written);
-    figures_.write = absl::ToDoubleSeconds(absl::Now() - begin);
-    figures_.total = SecondsSinceProcessStart();
+    figures_.front().write = absl::ToDoubleSeconds(absl::Now() - begin);
+    figures_.front().total = SecondsSinceProcessStart();
     return ExitCode::kDone;
   }
 
+  // All files are whole before the first gets its name.
   absl::Status TryWriteResult() {
-    MESHFRONT_ASSIGN_OR_RETURN(const std::unique_ptr<OutputFile> out, OutputFile::Create(arguments_.out));
-    MESHFRONT_RETURN_IF_ERROR(is_asset_ ? WriteAsset(out->sink()) : WriteSpool(*spool_, out_format_, out->sink()));
+    std::vector<std::unique_ptr<OutputFile>> files;
+    for (const std::string& path : OutPaths()) {
+      MESHFRONT_ASSIGN_OR_RETURN(std::unique_ptr<OutputFile> out, OutputFile::Create(path));
+      files.push_back(std::move(out));
+      MESHFRONT_RETURN_IF_ERROR(WriteTo(files.back()->sink(), files.size() - 1));
+      MESHFRONT_RETURN_IF_ERROR(files.back()->Finish());
+    }
     if (interruption_.requested()) return absl::CancelledError("cancelled");
-    return out->Commit();
+    for (const std::unique_ptr<OutputFile>& file : files) MESHFRONT_RETURN_IF_ERROR(file->Commit());
+    return absl::OkStatus();
+  }
+
+  absl::Status WriteTo(ByteSink& file, size_t level) {
+    if (has_levels() && is_gltf()) return WriteLevels(file);
+    return is_asset_ ? WriteAsset(spools_[level], file) : WriteSpool(spools_[level], out_format_, file);
   }
 
   ExitCode WriteRemoved() {
@@ -302,8 +357,8 @@ class RemeshCommand {
 
   // Where there is none, a warning has said why. Whoever can read its name may use it.
   ExitCode WriteSession() {
-    if (arguments_.keep_session.empty() || !summary_.has_session()) return ExitCode::kDone;
-    const absl::Status written = WriteWholeFile(arguments_.keep_session, summary_.session().id() + "\n");
+    if (arguments_.keep_session.empty() || !summaries_.front().has_session()) return ExitCode::kDone;
+    const absl::Status written = WriteWholeFile(arguments_.keep_session, summaries_.front().session().id() + "\n");
     std::error_code ignored;  // a pipe is nobody else's
     if (std::filesystem::is_regular_file(arguments_.keep_session, ignored)) {
       constexpr std::filesystem::perms mine = std::filesystem::perms::owner_read | std::filesystem::perms::owner_write;
@@ -312,13 +367,33 @@ class RemeshCommand {
     return written.ok() ? ExitCode::kDone : Fail(ExitCode::kOutput, written);
   }
 
-  absl::Status WriteAsset(ByteSink& file) {
-    MESHFRONT_ASSIGN_OR_RETURN(const TriangleMesh mesh, spool_->LoadWithAttributes(channels_));
+  absl::Status WriteAsset(ChunkSpool& spool, ByteSink& file) {
+    MESHFRONT_ASSIGN_OR_RETURN(const TriangleMesh mesh, spool.LoadWithAttributes(channels_));
     std::vector<std::string> left_out;
-    const absl::StatusOr<std::string> bytes = FormatAsset(mesh, out_format_, asset_, left_out);
+    return AppendFormatted(FormatAsset(mesh, out_format_, asset_, left_out), left_out, file);
+  }
+
+  absl::Status WriteLevels(ByteSink& file) {
+    std::vector<TriangleMesh> meshes;
+    for (ChunkSpool& spool : spools_) {
+      MESHFRONT_ASSIGN_OR_RETURN(TriangleMesh mesh,
+                                 is_asset_ ? spool.LoadWithAttributes(channels_) : spool.LoadWithNormals());
+      meshes.push_back(std::move(mesh));
+    }
+    const std::vector<double> coverages = ScreenCoverages(summaries_);
+    std::vector<DetailLevel> levels;
+    for (size_t level = 0; level < meshes.size(); ++level) levels.push_back({&meshes[level], coverages[level]});
+    std::vector<std::string> left_out;
+    return AppendFormatted(FormatLevels(levels, out_format_, asset_, left_out), left_out, file);
+  }
+
+  absl::Status AppendFormatted(const absl::StatusOr<std::string>& bytes, const std::vector<std::string>& left_out,
+                               ByteSink& file) {
     if (!bytes.ok())
       return absl::InternalError(absl::StrCat(file.name(), " can't be written: ", bytes.status().message()));
-    if (!left_out.empty()) PrintWarnings({absl::StrCat("not carried over: ", absl::StrJoin(left_out, ", "))});
+    if (!left_out.empty() && left_out != left_out_)
+      PrintWarnings({absl::StrCat("not carried over: ", absl::StrJoin(left_out, ", "))});
+    left_out_ = left_out;
     return file.Append(*bytes);
   }
 
@@ -329,7 +404,7 @@ class RemeshCommand {
   }
 
   absl::Status TryWritePicture() {
-    MESHFRONT_ASSIGN_OR_RETURN(const TriangleMesh output, spool_->Load());
+    MESHFRONT_ASSIGN_OR_RETURN(const TriangleMesh output, spools_.front().Load());
     picture_->DrawAfter(output);
     std::string png;
     MESHFRONT_RETURN_IF_ERROR(picture_->canvas().EncodePng(&png));
@@ -337,31 +412,39 @@ class RemeshCommand {
   }
 
   ExitCode WriteStats() {
-    figures_.remote = remote();
-    figures_.peak_rss_bytes = PeakRssBytes();
-    const nlohmann::ordered_json stats = StatsJson(kClientVersion, summary_, figures_);
+    figures_.front().peak_rss_bytes = PeakRssBytes();
+    nlohmann::ordered_json stats = StatsJson(kClientVersion, summaries_.front(), figures_.front());
+    const std::vector<std::string> paths = OutPaths();
+    for (size_t level = 0; has_levels() && level < level_count(); ++level)
+      stats["lods"].push_back(LevelJson(paths[std::min(level, paths.size() - 1)], summaries_[level], figures_[level]));
     if (!arguments_.quiet && IsTerminal(std::cerr)) std::cerr << FiguresTable(stats);
     if (arguments_.stats.empty()) return ExitCode::kDone;
     const absl::Status written = WriteWholeFile(arguments_.stats, stats.dump(2) + "\n");
     return written.ok() ? ExitCode::kDone : Fail(ExitCode::kOutput, written);
   }
 
-  ExitCode ReportOpenPlaces() const {
+  ExitCode ReportOpenPlaces(size_t level) const {
     constexpr int shown = 20;
-    if (summary_.open_place_count() == 0) {
-      std::cerr << "meshfront: " << arguments_.out << " is not what was asked for: see the warnings\n";
+    const v1::Summary& summary = summaries_[level];
+    const std::string what = has_levels() ? absl::StrCat("level ", level, " of ", arguments_.out) : arguments_.out;
+    if (summary.open_place_count() == 0) {
+      std::cerr << "meshfront: " << what << " is not what was asked for: see the warnings\n";
       return ExitCode::kPartial;
     }
-    std::cerr << "meshfront: " << arguments_.out << " is meshed only in part; it is open at "
-              << summary_.open_place_count() << " places:\n";
-    for (int i = 0; i < std::min(shown, summary_.open_places_size()); ++i) {
-      const v1::Point& p = summary_.open_places(i);
+    std::cerr << "meshfront: " << what << " is meshed only in part; it is open at " << summary.open_place_count()
+              << " places:\n";
+    for (int i = 0; i < std::min(shown, summary.open_places_size()); ++i) {
+      const v1::Point& p = summary.open_places(i);
       std::cerr << "  " << PlaceText({p.x(), p.y(), p.z()}) << "\n";
     }
-    if (summary_.open_places_size() > shown) std::cerr << "  and more: see --stats\n";
+    if (summary.open_places_size() > shown) std::cerr << "  and more: see --stats\n";
     return ExitCode::kPartial;
   }
 
+  bool has_levels() const { return arguments_.meshing.lod.has_value(); }
+  size_t level_count() const { return std::max(call_.options.lod_rhos_size(), 1); }
+  bool is_gltf() const { return out_format_ == Format::kGlb || out_format_ == Format::kGltf; }
+  bool has_level_files() const { return has_levels() && !is_gltf(); }
   bool remote() const { return !arguments_.call.server.empty(); }
 
   static constexpr double kLongestTimeout = 1e9;  // seconds: longer is none
@@ -369,6 +452,7 @@ class RemeshCommand {
   const RemeshArguments& arguments_;
   Interruption interruption_;
   CallOptions call_;
+  FeatureLines features_;
   double timeout_ = 0;
   Format in_format_ = Format::kUnknown, out_format_ = Format::kUnknown;
   TriangleMesh input_;
@@ -378,9 +462,11 @@ class RemeshCommand {
   std::vector<std::string> warnings_;
   std::vector<uint32_t> removed_;
   std::optional<BeforeAfterPicture> picture_;
-  std::optional<ChunkSpool> spool_;
-  v1::Summary summary_;
-  ClientFigures figures_;
+  // Of each level, as far as they are there; without --lod there is one.
+  std::vector<ChunkSpool> spools_;
+  std::vector<v1::Summary> summaries_;
+  std::vector<ClientFigures> figures_ = {{}};
+  std::vector<std::string> left_out_;  // told last
 };
 
 }  // namespace

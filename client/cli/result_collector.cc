@@ -29,15 +29,22 @@ void ResultCollector::OnDefect(const v1::Defect& defect) {
   if (++defects_ <= shown) std::cerr << "meshfront: " << defect.message() << "\n";
 }
 
+void ResultCollector::OnLevelEnd(const v1::Summary&) {
+  levels_.push_back({0, {}, levels_.back().last_triangles});
+  progress_ = {};
+}
+
 absl::Status ResultCollector::OnChunk(const v1::Chunk& chunk, const ChunkDecoder& decoded) {
   const Clock::time_point now = Clock::now();
+  Arrival& level = levels_.back();
   if (!decoded.triangles().empty()) {
-    if (first_triangles_ == Clock::time_point{}) first_triangles_ = now;
-    last_triangles_ = now;
+    if (level.first_triangles == Clock::time_point{}) level.first_triangles = now;
+    level.last_triangles = now;
   }
-  ++chunks_;
-  spool_.AppendAttributes(decoded.wedge_values(), decoded.corner_wedges(), decoded.groups());
-  local_error_ = spool_.Append(decoded.vertices(), decoded.triangles());
+  ++level.chunks;
+  ChunkSpool& spool = spools_[levels_.size() - 1];
+  spool.AppendAttributes(decoded.wedge_values(), decoded.corner_wedges(), decoded.groups());
+  local_error_ = spool.Append(decoded.vertices(), decoded.triangles());
   MESHFRONT_RETURN_IF_ERROR(local_error_);
   if (trace_ != nullptr) local_error_ = WriteTraceLine(chunk, decoded, now);
   progress_.stage = StageName(Stage::kMesh);
@@ -48,19 +55,23 @@ absl::Status ResultCollector::OnChunk(const v1::Chunk& chunk, const ChunkDecoder
 
 absl::Status ResultCollector::WriteTraceLine(const v1::Chunk& chunk, const ChunkDecoder& decoded,
                                              Clock::time_point now) {
-  const nlohmann::ordered_json line = {{"sequence", chunk.sequence()},
-                                       {"seconds", Seconds(now - uploaded_)},
-                                       {"vertices", decoded.vertex_count()},
-                                       {"triangles", decoded.triangle_count()},
-                                       {"open_front_edges", chunk.open_front_edges()}};
+  nlohmann::ordered_json line = {{"sequence", chunk.sequence()},
+                                 {"seconds", Seconds(now - uploaded_)},
+                                 {"vertices", decoded.vertex_count()},
+                                 {"triangles", decoded.triangle_count()},
+                                 {"open_front_edges", chunk.open_front_edges()}};
+  if (spools_.size() > 1) line["level"] = levels_.size() - 1;
   return trace_->sink().Append(line.dump() + "\n");
 }
 
-void ResultCollector::FillFigures(bool remote, ClientFigures* figures) const {
-  figures->upload = Seconds(uploaded_ - begin_);
-  figures->engine = Seconds(last_triangles_ - (remote ? uploaded_ : begin_));
-  figures->first_chunk = first_triangles_ == Clock::time_point{} ? 0 : Seconds(first_triangles_ - uploaded_);
-  figures->chunks = chunks_;
+void ResultCollector::FillFigures(size_t level, bool remote, ClientFigures* figures) const {
+  const Arrival& arrival = levels_[level];
+  const Clock::time_point begin = level > 0 ? levels_[level - 1].last_triangles : remote ? uploaded_ : begin_;
+  figures->upload = level > 0 ? 0 : Seconds(uploaded_ - begin_);
+  figures->engine = Seconds(arrival.last_triangles - begin);
+  const bool came = arrival.first_triangles != Clock::time_point{};
+  figures->first_chunk = came ? Seconds(arrival.first_triangles - uploaded_) : 0;
+  figures->chunks = arrival.chunks;
 }
 
 }  // namespace meshfront

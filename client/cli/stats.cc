@@ -67,6 +67,7 @@ Json ParametersJson(const v1::ParametersInForce& parameters) {
           {"repair", o.repair()},
           {"crease_angle",
            o.crease().rule_case() == v1::Crease::kAngleDegrees ? Json(o.crease().angle_degrees()) : Json("off")},
+          {"features", o.has_features() ? Json(o.features().segment_count()) : Json(nullptr)},
           {"attributes", o.attributes() == v1::ATTRIBUTE_POLICY_KEEP ? "keep" : "drop"},
           {"surface", SurfaceName(o.surface())},
           {"mls_radius", IsOfPoints(o.surface()) ? Json(o.mls_radius()) : Json(nullptr)},
@@ -147,6 +148,16 @@ Json StatsJson(const std::string& version, const v1::Summary& summary, const Cli
     stats["server_version"] = summary.version();
   }
   return stats;
+}
+
+Json LevelJson(const std::string& file, const v1::Summary& summary, const ClientFigures& client) {
+  Json level = StatsJson("", summary, client);
+  for (const char* const key :
+       {"version", "command", "input", "peak_rss_bytes", "threads", "server_peak_rss_bytes", "server_version"})
+    level.erase(key);
+  for (const char* const key : {"read", "upload", "queued", "write", "total"}) level["seconds"].erase(key);  // of all
+  level["file"] = file;
+  return level;
 }
 
 Json EstimateJson(const v1::EstimateResponse& estimate) {

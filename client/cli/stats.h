@@ -20,6 +20,8 @@ struct ClientFigures {
 
 // `version` is the client's.
 nlohmann::ordered_json StatsJson(const std::string& version, const v1::Summary& summary, const ClientFigures& client);
+// One element of "lods": the same keys where they are a level's own.
+nlohmann::ordered_json LevelJson(const std::string& file, const v1::Summary& summary, const ClientFigures& client);
 nlohmann::ordered_json EstimateJson(const v1::EstimateResponse& estimate);
 
 }  // namespace meshfront

@@ -125,4 +125,15 @@ inline constexpr double kHardNormalCosine = 0.9961946981;  // 5°
 // Share of the edges, creases left out, at which normals break where they are those of flat faces.
 inline constexpr double kFlatShare = 0.2;
 
+// Polylines, in parts of the diagonal: how far from the surface they may lie; from where on a point is told to have been moved; within
+// what a point is at a vertex or on an edge that is there; and how far a vertex of the input may lie beside a segment to be taken for a
+// place on it, which is also bounded by a part of the edge, since it saves slivers where the mesh is fine.
+inline constexpr double kLineReach = 0.01;
+inline constexpr double kMovedPoint = 1e-6;
+inline constexpr double kSamePoint = 5e-7;
+inline constexpr double kSnapPerDiagonal = 1e-4;
+inline constexpr double kSnapPerEdge = 0.05;
+// Segments are halved so often where the surface bends away from the plane that they lie in.
+inline constexpr int kMostHalvings = 8;
+
 }  // namespace meshfront

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
@@ -49,16 +50,25 @@ class ObjWriter {
     for (const std::string& library : asset_.material_libraries) Line("mtllib ", library);
     for (const Vec3& p : mesh_.positions) output_.Text("v "), output_.Triple(p), output_.Text("\n");
     for (uint32_t w = 0; w < a_.wedge_count(); ++w) WriteWedge(a_.WedgeAt(w));
-    for (size_t f = 0; f < mesh_.triangles.size(); ++f) {
-      const bool begins = !a_.groups.empty() && (f == 0 || a_.groups[f] != a_.groups[f - 1]);
-      if (begins) Line("usemtl ", GroupName(asset_, a_.groups[f]));
-      WriteFace(f);
+    const std::vector<uint32_t> faces = FacesByGroup();
+    for (size_t i = 0; i < faces.size(); ++i) {
+      const bool begins = !a_.groups.empty() && (i == 0 || a_.groups[faces[i]] != a_.groups[faces[i - 1]]);
+      if (begins) Line("usemtl ", GroupName(asset_, a_.groups[faces[i]]));
+      WriteFace(faces[i]);
     }
   }
 
  private:
   void Line(std::string_view word, const std::string& rest) {
     output_.Text(word), output_.Text(rest), output_.Text("\n");
+  }
+
+  // Each group once: the front goes from one to another and back, and every change would be another draw call.
+  std::vector<uint32_t> FacesByGroup() const {
+    std::vector<uint32_t> faces(mesh_.triangles.size());
+    std::iota(faces.begin(), faces.end(), 0u);
+    std::stable_sort(faces.begin(), faces.end(), [&](uint32_t f, uint32_t g) { return a_.GroupOf(f) < a_.GroupOf(g); });
+    return faces;
   }
 
   void WriteWedge(absl::Span<const float> values) {
@@ -206,12 +216,12 @@ std::string GltfOf(const GltfDocument& document) {
                 absl::Base64Escape(document.buffer), "\",", document.json_after_uri, "\n");
 }
 
-absl::StatusOr<std::string> FormatInGltf(const TriangleMesh& mesh, Format format, const MeshAsset& asset,
+absl::StatusOr<std::string> FormatInGltf(absl::Span<const DetailLevel> levels, Format format, const MeshAsset& asset,
                                          std::vector<std::string>& left_out) {
-  const GltfAsset plain = asset.gltf == nullptr ? PlainGltfAsset(mesh, asset.group_names) : GltfAsset();
+  const GltfAsset plain = asset.gltf == nullptr ? PlainGltfAsset(*levels.front().mesh, asset.group_names) : GltfAsset();
   if (!asset.material_libraries.empty()) Note(left_out, "textures and colours of the material libraries");
   MESHFRONT_ASSIGN_OR_RETURN(const GltfDocument document,
-                             FormatGltf(mesh, asset.gltf == nullptr ? plain : *asset.gltf, left_out));
+                             FormatGltf(levels, asset.gltf == nullptr ? plain : *asset.gltf, left_out));
   return format == Format::kGlb ? GlbOf(document) : GltfOf(document);
 }
 
@@ -232,7 +242,8 @@ std::vector<std::string> FilesBeside(const MeshAsset& asset) {
 absl::StatusOr<std::string> FormatAsset(const TriangleMesh& mesh, Format format, const MeshAsset& asset,
                                         std::vector<std::string>& left_out) {
   MESHFRONT_RETURN_IF_ERROR(ValidateAttributes(mesh.attributes, mesh.triangles.size()));
-  if (format == Format::kGlb || format == Format::kGltf) return FormatInGltf(mesh, format, asset, left_out);
+  const DetailLevel level{&mesh};
+  if (format == Format::kGlb || format == Format::kGltf) return FormatInGltf({&level, 1}, format, asset, left_out);
   NoteAsset(asset, left_out);
   StringSink sink;
   Output output(sink);
@@ -244,6 +255,15 @@ absl::StatusOr<std::string> FormatAsset(const TriangleMesh& mesh, Format format,
     return FormatMesh(mesh, format);
   MESHFRONT_RETURN_IF_ERROR(output.Finish());
   return sink.Take();
+}
+
+absl::StatusOr<std::string> FormatLevels(absl::Span<const DetailLevel> levels, Format format, const MeshAsset& asset,
+                                         std::vector<std::string>& left_out) {
+  if (levels.empty() || (format != Format::kGlb && format != Format::kGltf))
+    return absl::InvalidArgumentError("levels of detail in one file are for GLB and glTF, and at least one");
+  for (const DetailLevel& level : levels)
+    MESHFRONT_RETURN_IF_ERROR(ValidateAttributes(level.mesh->attributes, level.mesh->triangles.size()));
+  return FormatInGltf(levels, format, asset, left_out);
 }
 
 }  // namespace meshfront

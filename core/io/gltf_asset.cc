@@ -1,6 +1,7 @@
 // 1. the references that stay: images, animations, skins, and their views and accessors behind each other in one buffer
 // 2. the faces of each group, their vertices split where wedges differ, back in the coordinates of their node
 // 3. a mesh for each node: instances of a mesh are different meshes from now on
+// 4. of levels of detail, a node beside it for each further level, that MSFT_lod names
 #include "core/io/gltf_asset.h"
 
 #include <algorithm>
@@ -14,6 +15,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/strings/match.h"
+#include "absl/types/span.h"
 #include "core/geometry/box.h"
 #include "core/io/source.h"
 
@@ -69,8 +71,9 @@ struct Inverse {
 
 class Formatter {
  public:
-  Formatter(const TriangleMesh& mesh, const GltfAsset& asset, std::vector<std::string>& left_out)
-      : mesh_(mesh), asset_(asset), left_out_(left_out) {}
+  // At least one level; all outlive it.
+  Formatter(absl::Span<const DetailLevel> levels, const GltfAsset& asset, std::vector<std::string>& left_out)
+      : levels_(levels), asset_(asset), left_out_(left_out) {}
 
   absl::StatusOr<GltfDocument> Format() {
     doc_ = Json::parse(asset_.json, nullptr, false);
@@ -78,9 +81,15 @@ class Formatter {
     old_accessors_ = TakeMember("accessors"), old_views_ = TakeMember("bufferViews");
     KeepAnimations();
     KeepReferences();
-    const absl::Status placed = PlaceGroups();
-    if (!placed.ok()) return placed;
+    old_meshes_ = TakeMember("meshes");
+    for (const DetailLevel& level : levels_) {
+      mesh_ = level.mesh;
+      const absl::Status placed = PlaceGroups();
+      if (!placed.ok()) return placed;
+    }
+    doc_["meshes"] = std::move(meshes_);
     CleanNodes();
+    if (levels_.size() > 1) AddLevels();
     doc_["accessors"] = std::move(accessors_);
     doc_["bufferViews"] = std::move(views_);
     static constexpr const char* kMark = "@meshfront-uri@";
@@ -92,6 +101,10 @@ class Formatter {
   }
 
  private:
+  using Place = std::pair<int64_t, uint64_t>;  // a node and a mesh of the file
+  static constexpr const char* kLodExtension = "MSFT_lod";
+  static constexpr const char* kCoverage = "MSFT_screencoverage";
+
   Json TakeMember(const char* key) {
     Json* const found = Member(doc_, key);
     Json taken = found == nullptr ? Json::array() : std::move(*found);
@@ -199,20 +212,18 @@ class Formatter {
 
   absl::Status PlaceGroups() {
     std::vector<std::vector<uint32_t>> faces(asset_.groups.size());
-    for (uint32_t f = 0; f < mesh_.triangles.size(); ++f) {
-      const uint32_t group = mesh_.attributes.GroupOf(f);
+    for (uint32_t f = 0; f < mesh_->triangles.size(); ++f) {
+      const uint32_t group = mesh_->attributes.GroupOf(f);
       if (group >= faces.size())
         return absl::InvalidArgumentError(Concat("triangle ", f, " is of group ", group, "; there are ", faces.size()));
       faces[group].push_back(f);
     }
-    Json meshes = Json::array();
-    std::map<std::pair<int64_t, uint64_t>, size_t> mesh_of;  // by node and mesh
+    std::map<Place, size_t>& mesh_of = placed_.emplace_back();
     for (size_t g = 0; g < faces.size(); ++g) {
       const GltfGroup& group = asset_.groups[g];
       if (faces[g].empty()) continue;
-      const auto [at, is_new] = mesh_of.try_emplace({group.node, group.mesh}, meshes.size());
-      Json* const old_meshes = Member(doc_, "meshes");
-      Json old = old_meshes != nullptr && group.mesh < old_meshes->size() ? (*old_meshes)[group.mesh] : Json::object();
+      const auto [at, is_new] = mesh_of.try_emplace({group.node, group.mesh}, meshes_.size());
+      Json old = group.mesh < old_meshes_.size() ? old_meshes_[group.mesh] : Json::object();
       Json* const primitives = Member(old, "primitives");
       Json primitive = primitives != nullptr && group.primitive < primitives->size() ? (*primitives)[group.primitive]
                                                                                      : Json::object();
@@ -220,13 +231,11 @@ class Formatter {
         DropExtensions(old);
         old["primitives"] = Json::array();
         old.erase("weights");
-        meshes.push_back(std::move(old));
-        if (group.node >= 0) node_meshes_[group.node] = at->second;
+        meshes_.push_back(std::move(old));
       }
       FillPrimitive(group, faces[g], primitive);
-      meshes[at->second]["primitives"].push_back(std::move(primitive));
+      meshes_[at->second]["primitives"].push_back(std::move(primitive));
     }
-    doc_["meshes"] = std::move(meshes);
     return absl::OkStatus();
   }
 
@@ -270,10 +279,10 @@ class Formatter {
     std::vector<Corner> corners;
     std::vector<uint32_t> indices;
     absl::flat_hash_map<uint64_t, uint32_t> number;
-    const bool has_wedges = !mesh_.attributes.corners.empty();
+    const bool has_wedges = !mesh_->attributes.corners.empty();
     for (const uint32_t f : faces) {
       for (int i : {0, inverse.mirrors() ? 2 : 1, inverse.mirrors() ? 1 : 2}) {
-        const Corner corner{mesh_.triangles[f][i].index(), has_wedges ? mesh_.attributes.corners[f][i] : 0};
+        const Corner corner{mesh_->triangles[f][i].index(), has_wedges ? mesh_->attributes.corners[f][i] : 0};
         const uint64_t key = uint64_t{corner.vertex} << 32 | corner.wedge;
         const auto [at, is_new] = number.try_emplace(key, static_cast<uint32_t>(corners.size()));
         if (is_new) corners.push_back(corner);
@@ -294,7 +303,7 @@ class Formatter {
     std::fill(least, least + 3, std::numeric_limits<float>::max());
     std::fill(most, most + 3, std::numeric_limits<float>::lowest());
     for (const Corner& c : corners) {
-      const Vec3 p = inverse.Point(mesh_.positions[c.vertex]);
+      const Vec3 p = inverse.Point(mesh_->positions[c.vertex]);
       for (int axis = 0; axis < 3; ++axis) {
         const auto value = static_cast<float>(p[axis]);
         values.push_back(value);
@@ -309,10 +318,11 @@ class Formatter {
 
   void AddAttribute(const std::string& name, const std::vector<Corner>& corners, const Inverse& inverse,
                     Json& attributes) {
-    const std::optional<uint32_t> offset = mesh_.attributes.OffsetOf(name);
+    const std::optional<uint32_t> offset = mesh_->attributes.OffsetOf(name);
     if (!offset) return;
     uint32_t components = 0;
-    for (const AttributeChannel& c : mesh_.attributes.channels) components = c.name == name ? c.components : components;
+    for (const AttributeChannel& c : mesh_->attributes.channels)
+      components = c.name == name ? c.components : components;
     const AttributeRole role = RoleOfName(name);
     if (role == AttributeRole::kTexcoord) components = std::min(components, 2u);
     if (role == AttributeRole::kNormal) components = 3;
@@ -320,7 +330,7 @@ class Formatter {
     if (role == AttributeRole::kJoints) return AddJoints(name, *offset, components, corners, attributes);
     std::vector<float> values;
     for (const Corner& c : corners) {
-      const absl::Span<const float> wedge = mesh_.attributes.WedgeAt(c.wedge);
+      const absl::Span<const float> wedge = mesh_->attributes.WedgeAt(c.wedge);
       const size_t begin = values.size();
       values.insert(values.end(), wedge.begin() + *offset, wedge.begin() + *offset + components);
       ToNode(role, inverse, values.data() + begin);
@@ -349,20 +359,35 @@ class Formatter {
                  Json& attributes) {
     std::vector<uint16_t> values;
     for (const Corner& c : corners) {
-      for (const float v : mesh_.attributes.WedgeAt(c.wedge).subspan(offset, components))
+      for (const float v : mesh_->attributes.WedgeAt(c.wedge).subspan(offset, components))
         values.push_back(static_cast<uint16_t>(std::clamp(v, 0.0f, 65535.0f)));
     }
     attributes[name] = AddAccessor(AddArray(values, kArrayBuffer), kUint16, corners.size(), components);
   }
 
+  // Levels of the file's own are outside of the scene, and were not read.
+  void DropOldLevels(Json& node) {
+    Json* const extensions = Member(node, "extensions");
+    if (extensions == nullptr || !extensions->is_object() || extensions->erase(kLodExtension) == 0) return;
+    Note(left_out_, "levels of detail of the glTF");
+    if (Json* const extras = Member(node, "extras"); extras != nullptr && extras->is_object()) {
+      extras->erase(kCoverage);
+    }
+    const std::string materials = Member(doc_, "materials") == nullptr ? "" : doc_["materials"].dump();
+    if (!absl::StrContains(materials, kLodExtension)) dropped_extensions_.insert(kLodExtension);
+  }
+
   // Nodes whose mesh was not read, or of which nothing is left, have none.
   void CleanNodes() {
+    std::map<int64_t, size_t> node_meshes;
+    for (const auto& [place, mesh] : placed_.front()) node_meshes[place.first] = mesh;
     int64_t number = 0;
     ForEach(doc_, "nodes", [&](Json& node) {
-      const auto mesh = node_meshes_.find(number++);
+      const auto mesh = node_meshes.find(number++);
       if (!node.is_object()) return;
       node.erase("weights");
-      if (mesh != node_meshes_.end()) {
+      DropOldLevels(node);
+      if (mesh != node_meshes.end()) {
         node["mesh"] = mesh->second;
       } else if (node.erase("mesh") > 0) {
         node.erase("skin");
@@ -386,22 +411,106 @@ class Formatter {
     }
   }
 
-  const TriangleMesh& mesh_;
+  // Nodes that something else is said of than where a mesh is: what moves or hangs on them is there at every level.
+  std::set<uint64_t> BusyNodes() {
+    std::set<uint64_t> busy;
+    ForEach(doc_, "animations", [&](Json& animation) {
+      ForEach(animation, "channels", [&](Json& channel) {
+        Json* const target = Member(channel, "target");
+        if (target == nullptr || Member(*target, "path") == nullptr || *Member(*target, "path") == "weights") return;
+        if (const std::optional<uint64_t> node = IndexIn(*target, "node")) busy.insert(*node);
+      });
+    });
+    ForEach(doc_, "skins", [&](Json& skin) {
+      ForEach(skin, "joints", [&](Json& joint) {
+        if (joint.is_number_unsigned()) busy.insert(joint.get<uint64_t>());
+      });
+    });
+    return busy;
+  }
+
+  static Json Picked(const Json& node, std::initializer_list<const char*> keys) {
+    Json picked = Json::object();
+    for (const char* const key : keys) {
+      if (node.contains(key)) picked[key] = node[key];
+    }
+    return picked;
+  }
+
+  // Where the file has no nodes, one for each mesh, in a scene.
+  uint64_t AddNodeFor(size_t mesh) {
+    Json& nodes = doc_["nodes"];
+    if (!nodes.is_array()) nodes = Json::array();
+    nodes.push_back({{"mesh", mesh}});
+    Json& scenes = doc_["scenes"];
+    if (!scenes.is_array() || scenes.empty()) scenes = Json::array({Json{{"nodes", Json::array()}}}), doc_["scene"] = 0;
+    scenes[IndexIn(doc_, "scene").value_or(0)]["nodes"].push_back(nodes.size() - 1);
+    return nodes.size() - 1;
+  }
+
+  // The node that holds the mesh of `node` and nothing else: itself, or a child.
+  uint64_t LeafOf(uint64_t node, bool is_busy) {
+    Json& nodes = doc_["nodes"];
+    const Json& holder = nodes[node];
+    is_busy = is_busy || (holder.contains("extras") && !holder["extras"].is_object());
+    for (const char* const key : {"children", "camera", "extensions"}) is_busy = is_busy || holder.contains(key);
+    if (!is_busy) return node;
+    Json leaf = Picked(holder, {"name", "mesh", "skin", "weights"});
+    for (const char* const key : {"mesh", "skin", "weights"}) nodes[node].erase(key);
+    nodes[node]["children"].push_back(nodes.size());
+    nodes.push_back(std::move(leaf));
+    return nodes.size() - 1;
+  }
+
+  // A level takes the place of the node above it, and so has its transform and its skin.
+  void AddLevelsAt(uint64_t leaf, const Place& place) {
+    Json& nodes = doc_["nodes"];
+    Json ids = Json::array(), coverages = Json::array({levels_.front().coverage});
+    for (size_t level = 1; level < levels_.size(); ++level) {
+      const auto mesh = placed_[level].find(place);
+      if (mesh == placed_[level].end()) continue;
+      Json node = Picked(nodes[leaf], {"name", "skin", "translation", "rotation", "scale", "matrix", "weights"});
+      node["mesh"] = mesh->second;
+      if (node.contains("name") && node["name"].is_string())
+        node["name"] = Concat(node["name"].get<std::string>(), "_LOD", level);
+      ids.push_back(nodes.size());
+      coverages.push_back(levels_[level].coverage);
+      nodes.push_back(std::move(node));
+    }
+    if (ids.empty()) return;
+    nodes[leaf]["extensions"][kLodExtension] = {{"ids", std::move(ids)}};
+    nodes[leaf]["extras"][kCoverage] = std::move(coverages);
+  }
+
+  void AddLevels() {
+    const std::set<uint64_t> busy = BusyNodes();
+    for (const auto& [place, mesh] : placed_.front()) {
+      const uint64_t node = place.first < 0 ? AddNodeFor(mesh) : static_cast<uint64_t>(place.first);
+      AddLevelsAt(LeafOf(node, busy.count(node) > 0), place);
+    }
+    Json& used = doc_["extensionsUsed"];
+    if (!used.is_array()) used = Json::array();
+    if (std::find(used.begin(), used.end(), kLodExtension) == used.end()) used.push_back(kLodExtension);
+  }
+
+  const absl::Span<const DetailLevel> levels_;
+  const TriangleMesh* mesh_ = nullptr;  // of the level at hand
   const GltfAsset& asset_;
   std::vector<std::string>& left_out_;
-  Json doc_, old_accessors_, old_views_;
+  Json doc_, old_accessors_, old_views_, old_meshes_;
+  Json meshes_ = Json::array();
   Json accessors_ = Json::array(), views_ = Json::array();
   std::string buffer_;
   std::map<uint64_t, uint64_t> moved_views_, moved_accessors_;
-  std::map<int64_t, size_t> node_meshes_;
+  std::vector<std::map<Place, size_t>> placed_;  // of each level, the meshes
   std::set<std::string> dropped_extensions_ = {"KHR_draco_mesh_compression", "KHR_mesh_quantization"};
 };
 
 }  // namespace
 
-absl::StatusOr<GltfDocument> FormatGltf(const TriangleMesh& mesh, const GltfAsset& asset,
+absl::StatusOr<GltfDocument> FormatGltf(absl::Span<const DetailLevel> levels, const GltfAsset& asset,
                                         std::vector<std::string>& left_out) try {
-  return Formatter(mesh, asset, left_out).Format();
+  return Formatter(levels, asset, left_out).Format();
 } catch (const nlohmann::json::exception& e) {
   return absl::InternalError(Concat("a glTF can't be put together again: ", e.what()));
 }

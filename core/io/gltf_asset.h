@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "absl/types/span.h"
 #include "core/geometry/vec3.h"
 #include "core/io/mesh_io.h"
 #include "core/mesh/triangle_mesh.h"
@@ -46,8 +47,9 @@ struct GltfDocument {
   std::string buffer;
 };
 
-// `mesh` with the groups of the asset, in the coordinates that it was read in. What of the asset goes is appended to `left_out`.
-absl::StatusOr<GltfDocument> FormatGltf(const TriangleMesh& mesh, const GltfAsset& asset,
+// Meshes with the groups of the asset, in the coordinates that it was read in; of several, at least one, the first is what nodes have and
+// the others are its levels of detail (MSFT_lod). What of the asset goes is appended to `left_out`.
+absl::StatusOr<GltfDocument> FormatGltf(absl::Span<const DetailLevel> levels, const GltfAsset& asset,
                                         std::vector<std::string>& left_out);
 // The images that lie in files of their own, by their uris.
 std::vector<std::string> ImageFilesOf(const GltfAsset& asset);

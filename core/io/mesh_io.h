@@ -90,6 +90,17 @@ bool HoldsAttributes(Format format);
 absl::StatusOr<std::string> FormatAsset(const TriangleMesh& mesh, Format format, const MeshAsset& asset,
                                         std::vector<std::string>& left_out);
 
+// One mesh of a chain of levels of detail.
+struct DetailLevel {
+  const TriangleMesh* mesh = nullptr;
+  double coverage =
+      0;  // MSFT_screencoverage: of the screen, from which on it is to be shown, falling from level to level
+};
+// The same for several meshes of one asset, the finest first, as one GLB or glTF: each node that has a mesh has the first, and names nodes
+// with the others by the extension MSFT_lod. What hangs on or moves such a node is there at every level.
+absl::StatusOr<std::string> FormatLevels(absl::Span<const DetailLevel> levels, Format format, const MeshAsset& asset,
+                                         std::vector<std::string>& left_out);
+
 // The files that an asset names and is not whole without, as it names them: images of a glTF that lie beside it, an OBJ's material
 // libraries. They are named again, never copied.
 std::vector<std::string> FilesBeside(const MeshAsset& asset);

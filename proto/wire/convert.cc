@@ -1,5 +1,4 @@
-// Options between the wire and core. To add an option: a line in ToCore, one in OptionsToProto, and its path out of
-// kNotYet.
+// Options between the wire and core. To add an option: a line in ToCore and one in OptionsToProto.
 #include "proto/wire/convert.h"
 
 #include <google/protobuf/descriptor.h>
@@ -14,29 +13,12 @@
 namespace meshfront {
 namespace {
 
-using google::protobuf::FieldDescriptor;
-
-// In the contract from the start, so that clients keep; refused by their path until they are built.
-constexpr absl::string_view kNotYet[] = {"features"};
-
-bool IsNotYet(absl::string_view field) {
-  return std::find(std::begin(kNotYet), std::end(kNotYet), field) != std::end(kNotYet);
-}
-
-absl::Status NotYet(absl::string_view path) {
-  return absl::InvalidArgumentError(absl::StrCat(path, " is not supported yet"));
-}
-
-// Fields that are refused whatever their value is, and values that are beside others.
+// Values that are refused beside others until they are built.
 absl::Status RefuseNotYet(const v1::RemeshOptions& o) {
-  std::vector<const FieldDescriptor*> set;
-  o.GetReflection()->ListFields(o, &set);
-  for (const FieldDescriptor* field : set) {
-    if (IsNotYet(field->name())) return NotYet(absl::StrCat("options.", field->name()));
-  }
-  if (o.has_region() && (o.surface() == v1::SURFACE_TYPE_MLS || o.surface() == v1::SURFACE_TYPE_IMLS))
-    return NotYet(absl::StrCat("options.region with options.surface ", v1::SurfaceType_Name(o.surface())));
-  return absl::OkStatus();
+  if (!o.has_region() || (o.surface() != v1::SURFACE_TYPE_MLS && o.surface() != v1::SURFACE_TYPE_IMLS))
+    return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat("options.region with options.surface ", v1::SurfaceType_Name(o.surface()), " is not supported yet"));
 }
 
 absl::Status CheckEnums(const v1::RemeshOptions& o) {
@@ -74,6 +56,7 @@ absl::Status CheckSizing(const v1::RemeshOptions& o) {
   const v1::Sizing sizing = SizingOf(o);
   const v1::Sizing by_rho = sizing == v1::SIZING_THICKNESS ? v1::SIZING_THICKNESS : v1::SIZING_ANGLE;
   const Parameter parameters[] = {{"rho", o.has_rho(), by_rho},
+                                  {"lod_rhos", !o.lod_rhos().empty(), by_rho},
                                   {"max_error", o.has_max_error(), v1::SIZING_ERROR},
                                   {"edge_length", o.has_edge_length(), v1::SIZING_UNIFORM},
                                   {"target_triangles", o.has_target_triangles(), sizing}};
@@ -173,6 +156,7 @@ absl::StatusOr<std::optional<double>> CreaseFromProto(const v1::Crease& proto) {
 absl::StatusOr<RemeshOptions> ToCore(const v1::RemeshOptions& proto) {
   RemeshOptions o;
   if (proto.has_rho()) o.rho = proto.rho();
+  o.lod_rhos.assign(proto.lod_rhos().begin(), proto.lod_rhos().end());
   if (proto.has_eta()) o.eta = proto.eta();
   o.sizing = SizingFromProto(SizingOf(proto));
   if (proto.has_max_error()) {
@@ -216,6 +200,9 @@ absl::StatusOr<RemeshOptions> OptionsFromProto(const v1::RemeshOptions& proto) {
 absl::StatusOr<std::optional<Region>> RegionFromProto(const v1::RemeshOptions& proto) {
   if (!proto.has_region()) return std::nullopt;
   const v1::Region& shape = proto.region();
+  if (!proto.lod_rhos().empty()) {
+    return absl::InvalidArgumentError("options.region is set beside options.lod_rhos; they exclude one another");
+  }
   Region region;
   region.patch_only = shape.patch_only();
   switch (shape.shape_case()) {
@@ -239,7 +226,8 @@ absl::StatusOr<std::optional<Region>> RegionFromProto(const v1::RemeshOptions& p
 v1::RemeshOptions OptionsToProto(const RemeshOptions& o) {
   v1::RemeshOptions proto;
   const bool by_rho = o.sizing == Sizing::kAngle || o.sizing == Sizing::kThickness;
-  if (by_rho && !o.target_triangles) proto.set_rho(o.rho);
+  if (by_rho && !o.target_triangles && o.lod_rhos.empty()) proto.set_rho(o.rho);
+  proto.mutable_lod_rhos()->Add(o.lod_rhos.begin(), o.lod_rhos.end());
   proto.set_eta(o.eta);
   proto.set_sizing(SizingToProto(o.sizing));
   if (o.max_error) *proto.mutable_max_error() = LengthToProto(*o.max_error);
@@ -266,8 +254,7 @@ std::vector<std::string> SupportedOptions() {
   std::vector<std::string> paths;
   const google::protobuf::Descriptor* descriptor = v1::RemeshOptions::descriptor();
   for (int i = 0; i < descriptor->field_count(); ++i) {
-    const std::string& name = descriptor->field(i)->name();
-    if (!IsNotYet(name)) paths.push_back(absl::StrCat("options.", name));
+    paths.push_back(absl::StrCat("options.", descriptor->field(i)->name()));
   }
   return paths;
 }

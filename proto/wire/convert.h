@@ -19,7 +19,7 @@ inline constexpr int kMaxListedOpenPlaces = 1000;
 inline constexpr int kMaxListedDefects = 100;
 
 // The options in core's terms, defaults filled in. InvalidArgument, beginning with the field's path: a value out of
-// its range, a contradiction, or an option that is not supported yet ("options.features is not supported yet").
+// its range, a contradiction, or one that is not supported yet.
 absl::StatusOr<RemeshOptions> OptionsFromProto(const v1::RemeshOptions& proto);
 // The region that options.region asks for; none where it is not set. Of faces given by number it is empty: their array comes later.
 // InvalidArgument, beginning with the field's path.

@@ -69,6 +69,8 @@ v1::InputSummary InputToProto(const InputReport& input) {
 v1::ParametersInForce ParametersToProto(const ParametersInForce& parameters) {
   v1::ParametersInForce proto;
   *proto.mutable_options() = OptionsToProto(parameters.options);
+  if (parameters.feature_segments > 0)
+    proto.mutable_options()->mutable_features()->set_segment_count(parameters.feature_segments);
   proto.set_min_edge(parameters.min_edge);
   proto.set_max_edge(parameters.max_edge);
   proto.set_clamped_samples(parameters.clamped_samples);

@@ -1,6 +1,8 @@
 // Flags and what they mean: every mistake one sentence with the flag, the value and the rule.
 #include "client/cli/arguments.h"
 
+#include "client/cli/feature_lines.h"
+
 #include <cmath>
 #include <fstream>
 
@@ -52,6 +54,28 @@ TEST(MeshingFlags, CarryTheOneParameterOfTheSizing) {
   ASSERT_THAT(unset, IsOk());
   EXPECT_EQ(unset->sizing(), v1::SIZING_ERROR);
   EXPECT_FALSE(unset->has_max_error() || unset->has_rho());
+}
+
+TEST(MeshingFlags, TakeALevelOfDetailForEachRho) {
+  const absl::StatusOr<v1::RemeshOptions> options = ParseMeshingFlags({.lod = "0.3,0.8,1.5"});
+  ASSERT_THAT(options, IsOk());
+  EXPECT_EQ(std::vector<double>(options->lod_rhos().begin(), options->lod_rhos().end()),
+            (std::vector<double>{0.3, 0.8, 1.5}));
+  EXPECT_FALSE(options->has_rho());
+  for (const char* text : {"", "0.3,", "0.3,x", "0.8,0.3", "0.3,0.3", "0", "0.5,2.2"})
+    EXPECT_THAT(Parse({.lod = text}), StatusIs(kInvalid, "--lod")) << text;
+  std::string many = "0.1";
+  for (int i = 1; i < 17; ++i) many += "," + std::to_string(0.1 + 0.1 * i);
+  EXPECT_THAT(Parse({.lod = many}), StatusIs(kInvalid, "at most 16"));
+}
+
+TEST(MeshingFlags, RefuseLevelsOfDetailBesideWhatElseSizes) {
+  const std::vector<MeshingFlags> others = {
+      {.rho = "1", .lod = "1"},         {.lod = "1", .max_error = "1%"},
+      {.lod = "1", .sizing = "error"},  {.lod = "1", .target_triangles = "100"},
+      {.lod = "1", .edge_length = "1"}, {.lod = "1", .region = "sphere:0,0,0,1"},
+  };
+  for (const MeshingFlags& flags : others) EXPECT_THAT(Parse(flags), StatusIs(kInvalid, "contradict"));
 }
 
 TEST(MeshingFlags, SolveForACountUnderAnySizing) {
@@ -155,9 +179,30 @@ TEST(MeshingFlags, FacesAreNumbersOneALine) {
   EXPECT_TRUE(ReadRegionFaces("sphere:0,0,0,1")->empty());
 }
 
+TEST(MeshingFlags, FeaturesAreTheLinesOfAnObj) {
+  const std::string path = ::testing::TempDir() + "lines.obj";
+  std::ofstream(path) << "# a line\nv 0 0 0\nv 1 0 0 1\r\nl 1 2\nv 1 1 0\nl 1/1 2/2 -1\nf 1 2 3\n";
+  const absl::StatusOr<FeatureLines> read = ReadFeatureLines(path);
+  ASSERT_THAT(read, IsOk());
+  EXPECT_EQ(read->lines.points.size(), 3u);
+  EXPECT_EQ(read->lines.segments, (std::vector<std::array<uint32_t, 2>>{{0, 1}, {0, 1}, {1, 2}}));
+  EXPECT_EQ(read->numbers, (std::vector<uint64_t>{4, 6, 6}));
+  EXPECT_THAT(WithFeatureLine(absl::InvalidArgumentError("options.features.segments[2] lies at"), "lines.obj", *read),
+              StatusIs(kInvalid, "(line 6 of lines.obj)"));
+  for (const char* line : {"v 1 2", "v 1 2 nan", "l 1", "l 1 4", "l 0 1", "l 1 x"}) {
+    std::ofstream(path) << "v 0 0 0\nv 1 0 0\n" << line << "\n";
+    EXPECT_THAT(ReadFeatureLines(path), StatusIs(kInvalid, "in line 3")) << line;
+  }
+  std::ofstream(path) << "v 0 0 0\n";
+  EXPECT_THAT(ReadFeatureLines(path), StatusIs(kInvalid, "has no line"));
+  EXPECT_THAT(ReadFeatureLines("/no/such/file"), StatusIs(kInvalid, "can't be read"));
+  EXPECT_TRUE(ReadFeatureLines(std::nullopt)->lines.segments.empty());
+  EXPECT_THAT(Parse({.features = "a.obj", .region = "sphere:0,0,0,1"}), StatusIs(kInvalid, "contradict"));
+}
+
 TEST(MeshingFlags, SayNotYetInsteadOfIgnoring) {
-  const std::vector<MeshingFlags> not_built = {
-      {.features = "f.obj"}, {.seed_points = {"0,0,0"}}, {.region = "sphere:0,0,0,1", .surface = "imls"}};
+  const std::vector<MeshingFlags> not_built = {{.seed_points = {"0,0,0"}},
+                                               {.region = "sphere:0,0,0,1", .surface = "imls"}};
   for (const MeshingFlags& flags : not_built) EXPECT_THAT(Parse(flags), StatusIs(kInvalid, "not yet"));
 }
 

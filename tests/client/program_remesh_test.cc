@@ -85,6 +85,109 @@ TEST_F(Remesh, TellsInStatsWhatIsInTheOutput) {
   EXPECT_EQ(last["open_front_edges"], 0);
 }
 
+// A ring around the outside of the torus, and an arc that ends in the smooth.
+TEST_F(Remesh, KeepsTheLinesOfAFile) {
+  std::ofstream lines(PathOf("lines.obj"));
+  for (int i = 0; i < 24; ++i)
+    lines << "v " << 1.4 * std::cos(M_PI * i / 12) << " " << 1.4 * std::sin(M_PI * i / 12) << " 0\n";
+  lines << "l";
+  for (int i = 0; i <= 24; ++i) lines << " " << i % 24 + 1;
+  lines << "\nv 1 0 0.4\nv 0.95 0.31 0.4\nl 25 26\n";
+  lines.close();
+  const Outcome outcome =
+      Run({"remesh", "in.ply", "out.ply", "--features", "lines.obj", "--rho", "0.7", "--stats", "stats.json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const TriangleMesh mesh = Read("out.ply");
+  EXPECT_THAT(mesh, IsClosedManifold());
+  EXPECT_THAT(mesh, HasGenus(1));
+  const Json stats = Json::parse(Contents("stats.json"));
+  EXPECT_EQ(stats["parameters"]["features"], 25);
+  EXPECT_EQ(stats["input"]["repairs"][0]["what"], "split_faces_along_features");
+  size_t on_ring = 0, at_end = 0;
+  for (const Vec3& p : mesh.positions) {
+    on_ring += std::abs(p.z) < 1e-9 && std::abs(std::hypot(p.x, p.y) - 1.4) < 0.01;
+    at_end += Distance(p, {1, 0, 0.4}) < 1e-6;
+  }
+  EXPECT_GT(on_ring, 12u);
+  EXPECT_EQ(at_end, 1u);
+  std::ofstream(PathOf("lines.obj"), std::ios::app) << "v 3 0 0\nl 1 27\n";
+  const Outcome refused = Run({"remesh", "in.ply", "out.ply", "--features", "lines.obj"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("line 30 of lines.obj"));
+}
+
+// Each level by itself is whole, and what a call of its own makes.
+TEST_F(Remesh, WritesAFileForEachLevelOfDetail) {
+  const Outcome outcome =
+      Run({"remesh", "in.ply", "out.ply.gz", "--lod", "0.5,1.2", "--stats", "stats.json", "--trace", "trace.jsonl"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(Files(), ElementsAre("in.ply", "out.lod0.ply.gz", "out.lod1.ply.gz", "stats.json", "trace.jsonl"));
+  const Json stats = Json::parse(Contents("stats.json"));
+  ASSERT_EQ(stats["lods"].size(), 2u);
+  const double rhos[] = {0.5, 1.2};
+  for (size_t level = 0; level < 2; ++level) {
+    const Json& figures = stats["lods"][level];
+    const std::string file = "out.lod" + std::to_string(level) + ".ply.gz";
+    const TriangleMesh mesh = Read(file);
+    EXPECT_THAT(mesh, IsClosedManifold());
+    EXPECT_THAT(mesh, HasGenus(1));
+    EXPECT_EQ(figures["file"], file);
+    EXPECT_EQ(figures["parameters"]["rho"], rhos[level]);
+    EXPECT_EQ(figures["output"]["triangles"], mesh.triangles.size());
+    EXPECT_GT(figures["quality"]["radius_ratio_median"], 0.9);
+    EXPECT_GT(figures["predicted_triangles"], 0);
+    EXPECT_GT(figures["error_bound"], 0);
+    EXPECT_GT(figures["seconds"]["mesh"], 0);
+  }
+  EXPECT_GT(stats["lods"][0]["output"]["triangles"], 2 * stats["lods"][1]["output"]["triangles"].get<int>());
+  EXPECT_EQ(stats["output"], stats["lods"][0]["output"]);
+  EXPECT_EQ(stats["parameters"]["rho"], 0.5);
+  EXPECT_THAT(Contents("trace.jsonl"), HasSubstr(R"("level":1)"));
+  ASSERT_EQ(Run({"remesh", "in.ply", "alone.ply", "--rho", "1.2"}).exit_code, 0);
+  EXPECT_TRUE(Read("alone.ply").positions == Read("out.lod1.ply.gz").positions);
+}
+
+TEST_F(Remesh, WritesOneGltfOfAllLevelsOfDetail) {
+  const Outcome outcome = Run({"remesh", "in.ply", "out.gltf", "--lod", "0.5,0.8,1.2", "--stats", "stats.json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(Files(), ElementsAre("in.ply", "out.gltf", "stats.json"));
+  const Json doc = Json::parse(Contents("out.gltf")), stats = Json::parse(Contents("stats.json"));
+  const Json& node = doc["nodes"][0];
+  ASSERT_EQ(node["extensions"]["MSFT_lod"]["ids"].size(), 2u);
+  const std::vector<double> coverages = node["extras"]["MSFT_screencoverage"];
+  ASSERT_EQ(coverages.size(), 3u);
+  EXPECT_TRUE(coverages[0] > coverages[1] && coverages[1] > coverages[2] && coverages[2] == 0);
+  ASSERT_EQ(doc["meshes"].size(), 3u);
+  for (size_t level = 0; level < 3; ++level) {
+    const Json& primitive = doc["meshes"][level]["primitives"][0];
+    const size_t count = doc["accessors"][primitive["indices"].get<size_t>()]["count"];
+    EXPECT_EQ(count, 3 * stats["lods"][level]["output"]["triangles"].get<size_t>());
+    EXPECT_TRUE(primitive["attributes"].contains("NORMAL"));
+  }
+  EXPECT_THAT(Read("out.gltf"), IsClosedManifold());
+}
+
+// Edges almost as long as the tube is thick do not close.
+TEST_F(Remesh, SaysWhichLevelOfDetailIsMeshedInPart) {
+  const Outcome outcome = Run({"remesh", "in.ply", "out.ply", "--lod", "0.5,1.5", "--min-edge", "30%", "--max-edge",
+                               "80%", "--stats", "stats.json"});
+  EXPECT_EQ(outcome.exit_code, 4);
+  const Json lods = Json::parse(Contents("stats.json"))["lods"];
+  for (size_t level = 0; level < 2; ++level) {
+    const std::string number = std::to_string(level);
+    EXPECT_TRUE(Exists("out.lod" + number + ".ply"));
+    const bool is_told = outcome.err.find("level " + number + " of out.ply is") != std::string::npos;
+    EXPECT_EQ(is_told, !lods[level]["output"]["complete"].get<bool>()) << outcome.err;
+  }
+}
+
+TEST_F(Remesh, WritesNoLevelOfDetailWhereOneCanNotBeWritten) {
+  std::filesystem::create_directory(PathOf("out.lod1.ply"));
+  EXPECT_EQ(Run({"remesh", "in.ply", "out.ply", "--lod", "0.8,1.2"}).exit_code, 7);
+  EXPECT_THAT(Files(), ElementsAre("in.ply", "out.lod1.ply"));
+  EXPECT_EQ(Run({"remesh", "in.ply", "-", "--out-format", "ply", "--lod", "0.8,1.2"}).exit_code, 2);
+}
+
 // Corners of a face from the smallest on.
 std::array<std::array<double, 3>, 3> CornersOf(const TriangleMesh& mesh, const Triangle& t) {
   std::array<std::array<double, 3>, 3> corners;

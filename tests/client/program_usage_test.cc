@@ -120,7 +120,7 @@ TEST_F(Program, SaysNotYetToWhatIsNotBuilt) {
                                                            {"intersection", "in.ply", "in.ply", "out.ply"},
                                                            {"difference", "in.ply", "in.ply", "out.ply"},
                                                            {"cut", "in.ply", "in.ply", "out.ply"},
-                                                           {"estimate", "in.ply", "--features", "curves.obj"}};
+                                                           {"estimate", "in.ply", "--surface", "mls"}};
   for (const std::vector<std::string>& arguments : not_built) {
     const Outcome outcome = Run(arguments);
     EXPECT_EQ(outcome.exit_code, 2) << ::testing::PrintToString(arguments);

@@ -218,5 +218,32 @@ TEST(RemeshClient, SaysThatNobodyListens) {
   EXPECT_THAT(client.Remesh(testing::Icosphere(1), {}, observer), StatusIs(absl::StatusCode::kUnavailable, ""));
 }
 
+TEST_F(RemeshClientTest, TakesAMeshForEachLevel) {
+  const v1::Chunk chunk = OneTriangle();
+  ChunkDecoder decoder(v1::SCALAR_TYPE_FLOAT32);
+  ASSERT_THAT(decoder.Decode(chunk), IsOk());
+  for (uint32_t level = 0; level < 2; ++level) {
+    Play(chunk);
+    PlaySummary(1, decoder.chunks_crc32c());
+    service_.responses.back().mutable_event()->mutable_summary()->set_level(level);
+  }
+  CallOptions call;
+  call.options.add_lod_rhos(0.5), call.options.add_lod_rhos(1);
+  KeepingObserver observer;
+  const auto summaries = client_->RemeshLevels(testing::Icosphere(0), call, observer);
+  ASSERT_THAT(summaries, IsOk());
+  EXPECT_EQ(summaries->size(), 2u);
+  EXPECT_EQ(observer.triangles, 2u);
+  EXPECT_THAT(client_->Remesh(testing::Icosphere(0), call, observer),
+              StatusIs(absl::StatusCode::kInvalidArgument, "RemeshLevels"));
+
+  service_.responses.pop_back();
+  EXPECT_THAT(client_->RemeshLevels(testing::Icosphere(0), call, observer),
+              StatusIs(absl::StatusCode::kDataLoss, "1 Summaries; there are 2 levels"));
+  PlaySummary(1, decoder.chunks_crc32c());  // of level 0 again
+  EXPECT_THAT(client_->RemeshLevels(testing::Icosphere(0), call, observer),
+              StatusIs(absl::StatusCode::kDataLoss, "a Summary is of level 0"));
+}
+
 }  // namespace
 }  // namespace meshfront

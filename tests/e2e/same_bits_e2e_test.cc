@@ -135,6 +135,27 @@ TEST(SameBitsOverSocket, InAPatchOfASession) {
   EXPECT_EQ(run(in, {"--session", session}), "2") << "no server";
   EXPECT_EQ(run(in, {"--server", server.address(), "--session", session}), "2") << "IN beside it";
   EXPECT_EQ(run("-", {"--server", server.address(), "--session", in + "x"}), "2") << "no such file";
+  EXPECT_EQ(run("-", {"--server", server.address(), "--session", session, "--lod", "0.5,1"}), "2") << "many at a time";
+  std::filesystem::remove_all(folder);
+}
+
+// Several meshes come over one stream.
+TEST(SameBitsOverSocket, InAFileOfAllLevelsOfDetail) {
+  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "meshfront_same_levels";
+  std::filesystem::create_directories(folder);
+  const ServerProcess server;
+  ASSERT_TRUE(WriteMeshFile(folder / "in.ply", testing::Cube(4)).ok());
+  std::vector<std::string> files;
+  for (const std::vector<std::string>& flags : {std::vector<std::string>{}, {"--server", server.address()}}) {
+    const std::string out = folder / "out.glb";
+    std::vector<std::string> command = {MESHFRONT_PROGRAM, "remesh", folder / "in.ply", out, "--lod", "0.3,0.8,1.5"};
+    command.insert(command.end(), flags.begin(), flags.end());
+    ASSERT_EQ(ChildProcess(command).Wait(), 0);
+    files.push_back(BytesOf(out));
+    std::filesystem::remove(out);
+  }
+  EXPECT_GT(files[0].size(), 1'000u);
+  EXPECT_EQ(files[0], files[1]);
   std::filesystem::remove_all(folder);
 }
 

@@ -94,6 +94,36 @@ TEST(InputAssembler, PutsTheFacesOfARegionBesideTheMesh) {
   EXPECT_EQ(std::get<RegionFaces>(s.assembler.Take().region->shape), (RegionFaces{0, 7}));
 }
 
+TEST(InputAssembler, PutsLinesBesideTheMesh) {
+  v1::Header header = TriangleHeader();
+  v1::FeatureCurves* curves = header.mutable_options()->mutable_features();
+  curves->set_point_count(2), curves->set_segment_count(1);
+  for (const uint32_t last : {1u, 2u}) {
+    Started s(header);
+    ASSERT_TRUE(s.assembler.Accept(Block(v1::ARRAY_POSITIONS, 0, kPositions)).ok());
+    ASSERT_TRUE(s.assembler.Accept(Block(v1::ARRAY_TRIANGLES, 0, kTriangle)).ok());
+    EXPECT_THAT(std::string(s.assembler.Accept(v1::EndOfInput()).message()), HasSubstr("ARRAY_FEATURE_POSITIONS"));
+    ASSERT_TRUE(s.assembler.Accept(Block(v1::ARRAY_FEATURE_POSITIONS, 0, Bytes<double>({0, 0, 0, 0.5, 0.5, 0}))).ok());
+    ASSERT_TRUE(s.assembler.Accept(Block(v1::ARRAY_FEATURE_SEGMENTS, 0, Bytes<uint32_t>({0, last}))).ok());
+    const absl::Status end = s.assembler.Accept(v1::EndOfInput());
+    if (last == 2) {
+      EXPECT_THAT(std::string(end.message()), HasSubstr("options.features.segments[0] names point 2"));
+      continue;
+    }
+    ASSERT_TRUE(end.ok()) << end;
+    const Polylines lines = s.assembler.Take().features;
+    EXPECT_EQ(lines.points, (std::vector<Vec3>{{0, 0, 0}, {0.5, 0.5, 0}}));
+    EXPECT_EQ(lines.segments, (std::vector<std::array<uint32_t, 2>>{{0, 1}}));
+  }
+  curves->set_segment_count(0);
+  EXPECT_EQ(InputAssembler({}).Accept(header).code(), Code::kInvalidArgument);
+  v1::Header points;
+  points.mutable_points()->set_point_count(3);
+  curves->set_segment_count(1);
+  *points.mutable_options() = header.options();
+  EXPECT_THAT(std::string(InputAssembler({}).Accept(points).message()), HasSubstr("point set"));
+}
+
 TEST(InputAssembler, RefusesAHeaderThatSaysNothingOrTooMuch) {
   struct Case {
     std::function<void(v1::Header&)> change;

@@ -92,16 +92,16 @@ TEST(Service, TellsItsLimitsDefaultsAndFormats) {
   EXPECT_THAT(response.supported_options(), ::testing::Contains("options.target_triangles"));
   EXPECT_THAT(response.supported_options(), ::testing::Contains("options.region"));
   EXPECT_THAT(response.supported_options(), ::testing::Contains("options.blend"));
-  EXPECT_THAT(response.supported_options(), Not(::testing::Contains("options.features")));
+  EXPECT_THAT(response.supported_options(), ::testing::Contains("options.features"));
 }
 
 TEST(Service, NamesTheFieldOfABadOptionAtOnce) {
   Local local(StripEngine(1));
   v1::Header header = TriangleHeader();
-  header.mutable_options()->mutable_features()->set_point_count(1);
+  header.mutable_options()->set_surface(v1::SURFACE_TYPE_MLS);
   const Outcome outcome = local.Remesh(TriangleRequest(header));
   EXPECT_EQ(outcome.status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
-  EXPECT_EQ(outcome.status.error_message(), "options.features is not supported yet");
+  EXPECT_EQ(outcome.status.error_message(), "options.surface SURFACE_TYPE_MLS is not supported yet");
   EXPECT_EQ(outcome.Count(v1::MeshEvent::kAccepted), 0u);
 }
 

@@ -94,15 +94,31 @@ TEST(OptionsFromProto, CarriesTheSurfaceOfAPointSetBothWays) {
 }
 
 TEST(OptionsFromProto, RefusesWhatIsNotBuiltYetByItsPath) {
-  std::vector<v1::RemeshOptions> cases(2);
-  cases[0].mutable_features()->set_point_count(1);
-  cases[1].mutable_region()->mutable_box(), cases[1].set_surface(v1::SURFACE_TYPE_MLS);
+  std::vector<v1::RemeshOptions> cases(1);
+  cases[0].mutable_region()->mutable_box(), cases[0].set_surface(v1::SURFACE_TYPE_MLS);
   for (const v1::RemeshOptions& proto : cases) {
     const absl::Status status = OptionsFromProto(proto).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << proto.DebugString();
     EXPECT_THAT(std::string(status.message()), StartsWith("options."));
     EXPECT_THAT(std::string(status.message()), HasSubstr("not supported yet"));
   }
+}
+
+TEST(OptionsFromProto, CarriesLevelsOfDetailBothWays) {
+  v1::RemeshOptions proto;
+  proto.add_lod_rhos(0.3), proto.add_lod_rhos(1.5);
+  const absl::StatusOr<RemeshOptions> options = OptionsFromProto(proto);
+  ASSERT_TRUE(options.ok());
+  EXPECT_EQ(options->lod_rhos, (std::vector<double>{0.3, 1.5}));
+  const absl::StatusOr<RemeshOptions> again = OptionsFromProto(OptionsToProto(*options));
+  ASSERT_TRUE(again.ok());
+  EXPECT_EQ(again->lod_rhos, options->lod_rhos);
+  proto.mutable_region()->set_face_count(1);
+  EXPECT_THAT(std::string(RegionFromProto(proto).status().message()),
+              StartsWith("options.region is set beside options.lod_rhos"));
+  proto.set_rho(1);
+  EXPECT_THAT(std::string(OptionsFromProto(proto).status().message()),
+              StartsWith("options.lod_rhos is set beside options.rho"));
 }
 
 TEST(RegionFromProto, TakesABallABoxOrACountOfFaces) {

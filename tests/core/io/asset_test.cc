@@ -59,6 +59,16 @@ TriangleMesh ThereAndBack(const TriangleMesh& mesh, Format format, std::vector<s
   return read.ok() ? read->mesh : TriangleMesh();
 }
 
+TEST(Asset, NamesEachMaterialOfAnObjOnce) {
+  std::vector<std::string> left_out;
+  const absl::StatusOr<std::string> text = FormatAsset(Painted(), Format::kObj, {}, left_out);
+  ASSERT_THAT(text, IsOk());
+  std::vector<std::string> names;
+  for (size_t at = text->find("usemtl "); at != std::string::npos; at = text->find("usemtl ", at + 1))
+    names.push_back(text->substr(at + 7, text->find('\n', at) - at - 7));
+  EXPECT_THAT(names, ElementsAre("group_0", "group_1"));
+}
+
 TEST(Asset, ComesBackFromGlbAndGltf) {
   for (const Format format : {Format::kGlb, Format::kGltf}) {
     std::vector<std::string> left_out;
@@ -153,6 +163,67 @@ TEST(Asset, KeepsWhatLiesAroundTheMeshesOfAGltf) {
   const auto& position = doc["accessors"][doc["meshes"][0]["primitives"][0]["attributes"]["POSITION"].get<size_t>()];
   EXPECT_EQ(position["min"], (std::vector<double>{0, 0, 0}));
   EXPECT_EQ(position["max"], (std::vector<double>{1, 1, 0}));
+}
+
+// The node with the mesh moves: what moves it must move every level, so the levels hang below it. The other one stands still.
+TEST(Asset, HangsLevelsOfDetailOnTheNodesOfAGltf) {
+  const auto read = ReadText(AnimatedGlb(), Format::kGlb);
+  ASSERT_THAT(read, IsOk());
+  TriangleMesh coarse = read->mesh;
+  coarse.positions[0] = coarse.positions[0] + 0.25 * (coarse.positions[1] - coarse.positions[0]);
+  const std::vector<DetailLevel> levels = {{&read->mesh, 0.5}, {&coarse, 0}};
+  std::vector<std::string> left_out;
+  const absl::StatusOr<std::string> text = FormatLevels(levels, Format::kGltf, read->asset, left_out);
+  ASSERT_THAT(text, IsOk());
+  EXPECT_THAT(left_out, IsEmpty());
+  const nlohmann::json doc = nlohmann::json::parse(*text);
+  EXPECT_EQ(doc["extensionsUsed"], nlohmann::json::array({"MSFT_lod"}));
+  const nlohmann::json& moving = doc["nodes"][1];
+  EXPECT_FALSE(moving.contains("mesh"));
+  ASSERT_EQ(moving["children"].size(), 1u);
+  const nlohmann::json& finest = doc["nodes"][moving["children"][0].get<size_t>()];
+  EXPECT_EQ(finest["mesh"], 0);
+  EXPECT_FALSE(finest.contains("scale"));
+  EXPECT_EQ(finest["extras"]["MSFT_screencoverage"], (std::vector<double>{0.5, 0}));
+  const nlohmann::json& ids = finest["extensions"]["MSFT_lod"]["ids"];
+  ASSERT_EQ(ids.size(), 1u);
+  EXPECT_EQ(doc["nodes"][ids[0].get<size_t>()]["mesh"], 1);
+  ASSERT_EQ(doc["meshes"].size(), 2u);
+  EXPECT_EQ(doc["meshes"][1]["primitives"][0]["material"], 0);
+  const auto& position = doc["accessors"][doc["meshes"][1]["primitives"][0]["attributes"]["POSITION"].get<size_t>()];
+  EXPECT_NE(position["min"], position["max"]);
+  // A reader that does not know the extension finds the finest.
+  const auto again = ReadText(*text, Format::kGltf);
+  ASSERT_THAT(again, IsOk());
+  EXPECT_EQ(Faces(again->mesh), Faces(read->mesh));
+}
+
+// Nothing else is said of the node: it keeps its mesh, and its levels stand where it stands.
+TEST(Asset, GivesLevelsOfDetailTheTransformOfTheirNode) {
+  const std::string json =
+      R"({"asset":{"version":"2.0"},"extensionsUsed":["MSFT_lod"],"scene":0,"scenes":[{"nodes":[0]}],)"
+      R"("nodes":[{"name":"n","mesh":0,"translation":[1,2,3],"extensions":{"MSFT_lod":{"ids":[1]}}},{"mesh":0}],)"
+      R"("meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],)"
+      R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],)"
+      R"("bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36}]})";
+  const auto read = ReadText(Glb(json, Raw({0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f})), Format::kGlb);
+  ASSERT_THAT(read, IsOk());
+  std::vector<std::string> left_out;
+  const auto one = FormatAsset(read->mesh, Format::kGltf, read->asset, left_out);
+  ASSERT_THAT(one, IsOk());
+  EXPECT_FALSE(nlohmann::json::parse(*one).contains("extensionsUsed")) << "the file's own levels are not read";
+  EXPECT_THAT(left_out, ::testing::Contains("levels of detail of the glTF"));
+  const std::vector<DetailLevel> levels = {{&read->mesh, 0.4}, {&read->mesh, 0.2}, {&read->mesh, 0}};
+  const auto text = FormatLevels(levels, Format::kGltf, read->asset, left_out);
+  ASSERT_THAT(text, IsOk());
+  const nlohmann::json doc = nlohmann::json::parse(*text);
+  EXPECT_EQ(doc["nodes"][0]["mesh"], 0);
+  EXPECT_EQ(doc["nodes"][0]["extensions"]["MSFT_lod"]["ids"], (std::vector<int>{2, 3}));
+  EXPECT_EQ(doc["nodes"][3]["mesh"], 2);
+  EXPECT_EQ(doc["nodes"][3]["name"], "n_LOD2");
+  EXPECT_EQ(doc["nodes"][3]["translation"], (std::vector<double>{1, 2, 3}));
+  EXPECT_EQ(doc["extensionsUsed"], nlohmann::json::array({"MSFT_lod"}));
+  EXPECT_FALSE(FormatLevels(levels, Format::kObj, read->asset, left_out).ok());
 }
 
 std::string Replaced(std::string text, const std::string& what, const std::string& by) {

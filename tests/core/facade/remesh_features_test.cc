@@ -1,0 +1,123 @@
+// Lines that a caller wants: the output has them as edges, from end to end.
+#include <cmath>
+#include <numbers>
+
+#include "core/geometry/segment.h"
+#include "core/remesh.h"
+#include "tests/support/checking_sink.h"
+#include "tests/support/matchers.h"
+#include "tests/support/shapes.h"
+
+namespace meshfront::testing {
+namespace {
+
+Polylines Line(std::vector<Vec3> points) {
+  Polylines lines;
+  for (uint32_t i = 1; i < points.size(); ++i) lines.segments.push_back({i - 1, i});
+  lines.points = std::move(points);
+  return lines;
+}
+
+struct Result {
+  TriangleMesh mesh;
+  absl::StatusOr<Report> report;
+};
+
+Result RemeshWith(const TriangleMesh& mesh, const Polylines& lines, double rho) {
+  CheckingSink sink;
+  Problem problem{mesh, {}, std::nullopt, nullptr, lines};
+  problem.options.rho = rho;
+  absl::StatusOr<Report> report = Remesh(std::move(problem), sink, {});
+  sink.CheckEnd();
+  EXPECT_TRUE(sink.complaints().empty()) << sink.complaints().front();
+  return {sink.mesh(), std::move(report)};
+}
+
+double NearestVertex(const TriangleMesh& mesh, const Vec3& p) {
+  double least = 1e9;
+  for (const Vec3& q : mesh.positions) least = std::min(least, Distance(p, q));
+  return least;
+}
+
+// How far the nearest edge of the mesh passes by the place, for edges that run along `direction` within 20 degrees.
+double NearestEdgeAlong(const TriangleMesh& mesh, const Vec3& p, const Vec3& direction) {
+  double least = 1e9;
+  for (const Triangle& t : mesh.triangles) {
+    for (int i = 0; i < 3; ++i) {
+      const Vec3 &a = mesh.PositionAt(t[i]), &b = mesh.PositionAt(t[(i + 1) % 3]);
+      if (std::abs(Dot(Normalized(b - a), direction)) > 0.94) least = std::min(least, DistanceToSegment(p, a, b));
+    }
+  }
+  return least;
+}
+
+// A slit in each of two faces of a cube that are flat, one with a bend; both ends lie inside a face.
+TEST(RemeshFeatures, KeepLinesThatEndInAFlatFace) {
+  const Vec3 a{-0.61, -0.43, 1}, b{0.13, 0.37, 1}, c{0.52, -0.31, 1};
+  const auto [mesh, report] = RemeshWith(Cube(3), Line({a, b, c}), 0.8);
+  ASSERT_THAT(report, IsOk());
+  EXPECT_TRUE(report->complete);
+  EXPECT_THAT(mesh, IsClosedManifold());
+  EXPECT_THAT(mesh, HasGenus(0));
+  const double close = 1e-6 * report->input.diagonal;
+  for (const Vec3& p : {a, b, c}) EXPECT_LE(NearestVertex(mesh, p), close);
+  for (int i = 1; i < 40; ++i) {
+    const double t = i / 40.0;
+    EXPECT_LE(NearestEdgeAlong(mesh, (1 - t) * a + t * b, Normalized(b - a)), 1e-3);
+    EXPECT_LE(NearestEdgeAlong(mesh, (1 - t) * b + t * c, Normalized(c - b)), 1e-3);
+  }
+  EXPECT_EQ(report->parameters.feature_segments, 2u);
+  ASSERT_FALSE(report->input.repairs.empty());
+  EXPECT_EQ(report->input.repairs.back().what, "split_faces_along_features");
+}
+
+// A closed line and an arc on a ball: within the error bound.
+TEST(RemeshFeatures, FollowCurvesOnARoundSurface) {
+  Polylines lines;
+  const int n = 40;
+  for (int i = 0; i < n; ++i) {
+    const double angle = 2 * std::numbers::pi * i / n;
+    lines.points.push_back({0.8 * std::cos(angle), 0.8 * std::sin(angle), 0.6});
+    lines.segments.push_back({static_cast<uint32_t>(i), static_cast<uint32_t>((i + 1) % n)});
+  }
+  for (int i = 0; i <= 10; ++i) {
+    lines.points.push_back({std::cos(0.1 * i), std::sin(0.1 * i), 0});
+    if (i > 0) lines.segments.push_back({static_cast<uint32_t>(n + i - 1), static_cast<uint32_t>(n + i)});
+  }
+  const auto [mesh, report] = RemeshWith(Icosphere(4), lines, 0.7);
+  ASSERT_THAT(report, IsOk());
+  EXPECT_TRUE(report->complete);
+  EXPECT_THAT(mesh, IsClosedManifold());
+  for (int i = 0; i < 200; ++i) {
+    const double angle = 2 * std::numbers::pi * i / 200;
+    const Vec3 p{0.8 * std::cos(angle), 0.8 * std::sin(angle), 0.6}, along{-std::sin(angle), std::cos(angle), 0};
+    EXPECT_LE(NearestEdgeAlong(mesh, p, along), report->error_bound) << i;
+  }
+  EXPECT_LE(NearestVertex(mesh, {1, 0, 0}), 1e-6 * report->input.diagonal);
+}
+
+TEST(RemeshFeatures, ArePartOfTheSurfaceAtAnyScale) {
+  const Polylines lines = Line({{-0.6, -0.4, 1}, {0.5, 0.3, 1}});
+  Polylines large = lines;
+  for (Vec3& p : large.points) p = std::ldexp(1.0, 200) * p;
+  const auto [mesh, report] = RemeshWith(Cube(3), lines, 1);
+  const auto [other, of_large] = RemeshWith(Scaled(Cube(3), std::ldexp(1.0, 200)), large, 1);
+  ASSERT_THAT(of_large, IsOk());
+  EXPECT_TRUE(mesh.triangles == other.triangles);
+}
+
+TEST(RemeshFeatures, AreRefusedWhereThereIsNoPlaceForThem) {
+  const Polylines off = Line({{-0.6, -0.4, 1}, {0.5, 0.3, 1.2}});
+  CollectingSink sink;
+  EXPECT_THAT(Remesh({Cube(3), {}, std::nullopt, nullptr, off}, sink, {}),
+              StatusIs(absl::StatusCode::kInvalidArgument, "options.features.segments[0] lies at 0.5, 0.3, 1.2"));
+  EXPECT_THAT(Remesh({Cube(3), {}, Region{RegionSphere{{1, 1, 1}, 0.9}}, nullptr, off}, sink, {}),
+              StatusIs(absl::StatusCode::kInvalidArgument, "options.features is set beside options.region"));
+  TriangleMesh points = Icosphere(3);
+  points.triangles.clear();
+  EXPECT_THAT(Remesh({points, {}, std::nullopt, nullptr, off}, sink, {}),
+              StatusIs(absl::StatusCode::kInvalidArgument, "point set"));
+}
+
+}  // namespace
+}  // namespace meshfront::testing
