@@ -62,8 +62,9 @@ struct RemeshOptions {
   // Carry the mesh's attributes over, and cut the surface along their seams (features/attribute_seams.h).
   bool attributes = true;
   SurfaceKind surface = SurfaceKind::kAuto;
-  double mls_radius = 4;  // radius of a sample's weight in local spacings, [2, 16]; of point sets
-  bool repair = true;     // mend the input first, each change reported; false: refuse what would need it
+  // Of point sets: radius of a sample's weight in local spacings, [2, 16]. At 4 it is larger where the points are noisy.
+  double mls_radius = 4;
+  bool repair = true;  // mend the input first, each change reported; false: refuse what would need it
 };
 inline constexpr size_t kMaxLevels = 16;
 // InvalidArgument naming the field, the value and the rule, e.g. "options.eta is 2.5; it must be in (1, 2)".

@@ -12,7 +12,8 @@ wrong, 77 no data or no judge.
 
 What must hold: an end in time; a manifold, consistently oriented result without degenerate parts or self-intersections, with the
 figures of --stats as the judge has them. Samples of a model have its components, genus and loops, a p0.5 of 2r/R of 0.82, and where they
-are moved an RMS distance to the model of a third of that, or half of 0.5 %. Files of PARTIAL may come out in part, with the places.
+are moved an RMS distance to the model of a third of that, or half of 0.5 %. Files of PARTIAL may come out in part, with
+the places; those of REFUSED are no samples of a surface.
 """
 import argparse
 import json
@@ -35,6 +36,8 @@ SUBSET = [("points/kitten.xyz", "file"), ("points/sphere_20k.xyz", "file"), ("po
           ("genus/kitten.obj", "plain"), ("genus/3holes.off", "0.2%")]
 # No surfaces all over: clouds of trees and walls, and echoes without a side.
 PARTIAL = {"points/building.ply.gz", "points/b9_training.ply", "points/radar.xyz.gz"}
+# Files that are refused (exit code 3), and why.
+REFUSED = {"points/blobby.xyz": "its points fill a volume"}
 LEAST_QUALITY = 0.82
 
 
@@ -53,7 +56,9 @@ class Points(corpus.Corpus):
                    "--rho", str(RHO), "--threads", "1"]
         row["exit"], said, row["cpu_seconds"] = corpus.run(command, self.options.timeout)
         row["late"] = "timeout" if row["exit"] == -1 else ""
-        if row["exit"] != 0 and not (row["exit"] == 4 and name in PARTIAL):
+        if row["exit"] == 3 and name in REFUSED:
+            row["refused"] = said
+        elif row["exit"] != 0 and not (row["exit"] == 4 and name in PARTIAL):
             row["problems"].append(corpus.failure(row, said))
         if (work / "out.ply").exists():
             self.judge_points(row, None if way == "file" else model, work)
@@ -103,7 +108,8 @@ def line_of(row):
         head += f" {row['triangles']:>7} tri  genus {row['genus']}  {row['loops']} loops  q {row['min']:.3f} {row['p0.5']:.3f}"
     if "rms_pct" in row:
         head += f"  H {row['hausdorff_pct']:.3f} %  RMS {row['rms_pct']:.4f} %"
-    return f"{head}  {row['cpu_seconds']:.1f} s  {'; '.join(row['problems']) or ('ok' if row['exit'] == 0 else 'in part')}"
+    well = {0: "ok", 4: "in part"}.get(row["exit"], row.get("refused"))
+    return f"{head}  {row['cpu_seconds']:.1f} s  {'; '.join(row['problems']) or well}"
 
 
 def chosen(checks):
