@@ -109,6 +109,8 @@ absl::StatusOr<Preparation> PreparePoints(Problem problem, const Context& contex
   }
   if (options.crease_angle != RemeshOptions().crease_angle)
     p.warnings.push_back("crease_angle does nothing on point sets yet: their edges are rounded");
+  p.parameters.options.crease_angle = std::nullopt;
+  p.parameters.options.attributes = false;
   SetRadius(repaired.noise, p);
   TriangleMesh& points = repaired.points;
   p.input.diagonal = BoundingBox(points).Diagonal();

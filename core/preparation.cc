@@ -398,6 +398,8 @@ absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {
   Preparation p;
   p.parameters.options = options;
   Stopwatch watch;
+  if (options.mls_radius != RemeshOptions().mls_radius)
+    p.warnings.push_back("mls_radius does nothing on a mesh, unless surface is imls or mls");
   if (!options.attributes) problem.mesh.attributes = {};
   MESHFRONT_RETURN_IF_ERROR(ValidateAttributes(problem.mesh.attributes, problem.mesh.triangles.size()));
   context.Report({Stage::kRepair});

@@ -1,5 +1,6 @@
 #include "client/cli/arguments.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -344,10 +345,20 @@ absl::StatusOr<std::vector<uint32_t>> ReadRegionFaces(const Text& region) {
   return absl::InvalidArgumentError(absl::StrCat(path, " names no face; --region needs at least one"));
 }
 
-absl::StatusOr<std::string> ReadSessionName(const std::string& path) {
-  std::ifstream file(path);
-  std::string name;
-  if (file >> name) return name;
+absl::StatusOr<SessionFile> ReadSessionFile(const std::string& path) {
+  constexpr std::streamsize kLongest = 256;
+  std::string text(kLongest, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(text.data(), kLongest);
+  text.resize(static_cast<size_t>(file.gcount()));
+  const std::vector<std::string> words = absl::StrSplit(text, absl::ByAnyChar(" \r\n"), absl::SkipEmpty());
+  const auto is_of_a_name = [](char c) {
+    return absl::ascii_isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_';
+  };
+  const bool is_whole =
+      !words.empty() && words.size() <= 2 && std::all_of(words[0].begin(), words[0].end(), is_of_a_name);
+  if (is_whole && (words.size() == 1 || words[1] == kSessionWithAttributes))
+    return SessionFile{words[0], words.size() == 2};
   return absl::InvalidArgumentError(
       absl::StrCat("--session is ", path, "; it must be a file that --keep-session wrote"));
 }

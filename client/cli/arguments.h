@@ -64,8 +64,14 @@ absl::StatusOr<v1::RemeshOptions> ParseMeshingFlags(const MeshingFlags& flags);
 // The faces that --region faces:FILE names, one number a line; empty for another region or none. InvalidArgument with the file and the
 // line: it can't be read, or a line is no number.
 absl::StatusOr<std::vector<uint32_t>> ReadRegionFaces(const MeshingFlags::Text& region);
-// The name of a session that --keep-session wrote to a file. InvalidArgument: it can't be read, or holds none.
-absl::StatusOr<std::string> ReadSessionName(const std::string& path);
+// What --keep-session wrote to a file: the name, and whether the input had attributes, materials or nodes, which the program needs IN for.
+struct SessionFile {
+  std::string name;
+  bool has_attributes = false;
+};
+inline constexpr char kSessionWithAttributes[] = "attributes";  // the word behind the name then
+// InvalidArgument: it can't be read, or holds none. Reads 256 bytes at most.
+absl::StatusOr<SessionFile> ReadSessionFile(const std::string& path);
 // Seconds, > 0; infinity when not given.
 absl::StatusOr<double> ParseTimeout(const MeshingFlags::Text& timeout);
 // HOST:PORT with a port in 1..65535.

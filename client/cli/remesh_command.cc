@@ -119,7 +119,14 @@ class RemeshCommand {
       return absl::InvalidArgumentError(absl::StrCat("IN is ", arguments_.in, "; with --session it must be -"));
     if (!arguments_.picture.empty() || !arguments_.write_repaired.empty())
       return absl::InvalidArgumentError("--picture and --write-repaired need IN, which --session takes the place of");
-    MESHFRONT_ASSIGN_OR_RETURN(call_.session_id, ReadSessionName(session));
+    MESHFRONT_ASSIGN_OR_RETURN(const SessionFile file, ReadSessionFile(session));
+    if (file.has_attributes && arguments_.meshing.attributes != "drop") {
+      return absl::InvalidArgumentError(
+          absl::StrCat("the mesh of session ", session,
+                       " has attributes, materials or nodes, which can't be written "
+                       "without IN; give IN in place of --session, or --attributes drop"));
+    }
+    call_.session_id = file.name;
     return absl::OkStatus();
   }
 
@@ -194,8 +201,6 @@ class RemeshCommand {
   // What a session's attributes are called is known to who sent them.
   ExitCode LeaveAttributes() {
     call_.options.set_attributes(v1::ATTRIBUTE_POLICY_DROP);
-    if (arguments_.meshing.attributes == "keep")
-      warnings_.push_back("not carried over: attributes, since there is no IN");
     return ExitCode::kDone;
   }
 
@@ -358,7 +363,9 @@ class RemeshCommand {
   // Where there is none, a warning has said why. Whoever can read its name may use it.
   ExitCode WriteSession() {
     if (arguments_.keep_session.empty() || !summaries_.front().has_session()) return ExitCode::kDone;
-    const absl::Status written = WriteWholeFile(arguments_.keep_session, summaries_.front().session().id() + "\n");
+    const absl::Status written = WriteWholeFile(
+        arguments_.keep_session, absl::StrCat(summaries_.front().session().id(),
+                                              is_asset_ ? absl::StrCat(" ", kSessionWithAttributes) : "", "\n"));
     std::error_code ignored;  // a pipe is nobody else's
     if (std::filesystem::is_regular_file(arguments_.keep_session, ignored)) {
       constexpr std::filesystem::perms mine = std::filesystem::perms::owner_read | std::filesystem::perms::owner_write;

@@ -200,6 +200,22 @@ TEST(MeshingFlags, FeaturesAreTheLinesOfAnObj) {
   EXPECT_THAT(Parse({.features = "a.obj", .region = "sphere:0,0,0,1"}), StatusIs(kInvalid, "contradict"));
 }
 
+TEST(SessionFile, HoldsANameAndWhetherThereAreAttributes) {
+  const std::string path = ::testing::TempDir() + "session";
+  const auto read = [&](const std::string& text) {
+    std::ofstream(path, std::ios::binary) << text;
+    return ReadSessionFile(path);
+  };
+  ASSERT_THAT(read("0a1b\n"), IsOk());
+  EXPECT_EQ(read("0a1b\r\n")->name, "0a1b");
+  EXPECT_FALSE(read("0a1b\n")->has_attributes);
+  EXPECT_TRUE(read("0a1b attributes\n")->has_attributes);
+  for (const std::string& text :
+       {std::string(), std::string("a b"), std::string("\xff\xfe"), std::string("a attributes b")})
+    EXPECT_THAT(read(text), StatusIs(kInvalid, "must be a file that --keep-session wrote")) << text;
+  EXPECT_THAT(ReadSessionFile("/no/such/file"), StatusIs(kInvalid, "must be a file"));
+}
+
 TEST(MeshingFlags, SayNotYetInsteadOfIgnoring) {
   const std::vector<MeshingFlags> not_built = {{.seed_points = {"0,0,0"}},
                                                {.region = "sphere:0,0,0,1", .surface = "imls"}};

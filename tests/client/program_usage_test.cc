@@ -116,11 +116,12 @@ TEST_F(Program, NamesASubcommandThatItDoesNotKnow) { EXPECT_THAT(Run({"bogus", "
 
 TEST_F(Program, SaysNotYetToWhatIsNotBuilt) {
   WriteSphere("in.ply");
-  const std::vector<std::vector<std::string>> not_built = {{"union", "in.ply", "in.ply", "out.ply"},
-                                                           {"intersection", "in.ply", "in.ply", "out.ply"},
-                                                           {"difference", "in.ply", "in.ply", "out.ply"},
-                                                           {"cut", "in.ply", "in.ply", "out.ply"},
-                                                           {"estimate", "in.ply", "--surface", "mls"}};
+  const std::vector<std::vector<std::string>> not_built = {
+      {"union", "in.ply", "in.ply", "out.ply"},
+      {"intersection", "in.ply", "in.ply", "out.ply"},
+      {"difference", "in.ply", "in.ply", "out.ply"},
+      {"cut", "in.ply", "in.ply", "out.ply"},
+      {"estimate", "in.ply", "--surface", "mls", "--region", "sphere:0,0,0,1"}};
   for (const std::vector<std::string>& arguments : not_built) {
     const Outcome outcome = Run(arguments);
     EXPECT_EQ(outcome.exit_code, 2) << ::testing::PrintToString(arguments);

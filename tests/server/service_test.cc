@@ -99,9 +99,11 @@ TEST(Service, NamesTheFieldOfABadOptionAtOnce) {
   Local local(StripEngine(1));
   v1::Header header = TriangleHeader();
   header.mutable_options()->set_surface(v1::SURFACE_TYPE_MLS);
+  header.mutable_options()->mutable_region()->mutable_box();
   const Outcome outcome = local.Remesh(TriangleRequest(header));
   EXPECT_EQ(outcome.status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
-  EXPECT_EQ(outcome.status.error_message(), "options.surface SURFACE_TYPE_MLS is not supported yet");
+  EXPECT_EQ(outcome.status.error_message(),
+            "options.region with options.surface SURFACE_TYPE_MLS is not supported yet");
   EXPECT_EQ(outcome.Count(v1::MeshEvent::kAccepted), 0u);
 }
 

@@ -28,13 +28,16 @@ RemeshOptions ByLevels(std::vector<double> rhos) {
   return options;
 }
 
-void ExpectLevelsAsAlone(const TriangleMesh& mesh, const std::vector<double>& rhos) {
+void ExpectLevelsAsAlone(const TriangleMesh& mesh, const std::vector<double>& rhos, double mls_radius = 4) {
   LevelCollector levels;
-  ASSERT_THAT(RemeshLevels({mesh, ByLevels(rhos)}, levels, {}), IsOk());
+  RemeshOptions all = ByLevels(rhos);
+  all.mls_radius = mls_radius;
+  ASSERT_THAT(RemeshLevels({mesh, all}, levels, {}), IsOk());
   ASSERT_EQ(levels.reports.size(), rhos.size());
   for (size_t i = 0; i < rhos.size(); ++i) {
     RemeshOptions options;
     options.rho = rhos[i];
+    options.mls_radius = mls_radius;
     CollectingSink alone;
     const absl::StatusOr<Report> report = Remesh({mesh, options}, alone, {});
     ASSERT_THAT(report, IsOk());
@@ -57,6 +60,14 @@ TEST(RemeshLevels, MakesTheMeshesThatProblemsOfTheirOwnMake) {
 // A tube around a rod: attempts at one level halve the edges around its rims and cut faces loose, and the next one must not see that.
 TEST(RemeshLevels, BeginEachLevelWhereTheFirstBegan) {
   ExpectLevelsAsAlone(Joined(OpenCylinder(1, 2, 48, 12), CappedCylinder(0.97, 3, 48, 16)), {1.0, 1.5});
+}
+
+// Attempts at one level make the supports of the samples wider.
+TEST(RemeshLevels, BeginEachLevelOnTheSurfaceThatThePointsHadFirst) {
+  TriangleMesh points = Icosphere(4);
+  points.triangles.clear();
+  points.normals = points.positions;
+  ExpectLevelsAsAlone(points, {0.5, 0.8, 1.2}, 2);
 }
 
 TEST(RemeshLevels, RepairAndMeasureOnce) {

@@ -57,6 +57,22 @@ TEST(RemeshSampled, HealsFlippedMissingAndDoubledFaces) {
   for (const Vec3& x : sink.mesh().positions) EXPECT_NEAR(Norm(x), 1, 0.03);
 }
 
+TEST(RemeshSampled, SaysWhatIsNotInForce) {
+  RemeshOptions options = Sampled(SurfaceKind::kImls);
+  options.sizing = Sizing::kUniform, options.edge_length = Length{0.3, false};
+  CheckingSink sink;
+  const auto sampled = Remesh({Icosphere(3), options}, sink, Context{});
+  ASSERT_THAT(sampled, IsOk());
+  EXPECT_FALSE(sampled->parameters.options.attributes);
+  EXPECT_FALSE(sampled->parameters.options.crease_angle.has_value());
+  RemeshOptions of_mesh;
+  of_mesh.mls_radius = 6;
+  CheckingSink other;
+  const auto meshed = Remesh({Icosphere(3), of_mesh}, other, Context{});
+  ASSERT_THAT(meshed, IsOk());
+  EXPECT_THAT(meshed->warnings, ::testing::Contains(::testing::HasSubstr("mls_radius does nothing on a mesh")));
+}
+
 // Two balls and, inside of one of them, a third, which meets nothing and stays.
 TEST(RemeshSampled, MakesOneOfPartsThatOverlap) {
   const TriangleMesh two = Joined(Icosphere(3), Moved(Icosphere(3), {1, 0.13, 0.07}));
