@@ -26,7 +26,6 @@ class PointFieldBuilder {
   absl::StatusOr<SizedField> Build(double parameter, const Context& context);
   absl::StatusOr<SizedField> BuildForCount(uint64_t count, const Context& context);
   void AddSample(const SizingSample& sample);
-  void ClearAddedSamples() { added_.clear(); }
 
   double area() const { return area_; }
   double peak_curvature() const { return peak_curvature_; }

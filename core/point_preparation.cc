@@ -173,7 +173,7 @@ absl::StatusOr<bool> WidenSupports(absl::Span<const Vec3> places, double factor,
   const SizingLimits limits = p.point_builder->limits();
   p.point_builder.reset();
   MESHFRONT_RETURN_IF_ERROR(SetPointSurface(std::move(samples), p, context));
-  p.point_builder = std::make_shared<PointFieldBuilder>(*p.points, p.rims, limits);
+  p.point_builder = std::make_unique<PointFieldBuilder>(*p.points, p.rims, limits);
   MESHFRONT_RETURN_IF_ERROR(PrepareAgain({}, count, p, context));
   return true;
 }

@@ -442,10 +442,16 @@ absl::Status LevelStart::Prepare(double rho, Preparation& p, const Context& cont
   Stopwatch watch;
   p.input = input_, p.parameters = parameters_;
   p.surface = surface_, p.builder = builder_, p.seeds = seeds_;
-  p.points = points_, p.point_builder = point_builder_, p.rims = rims_;
   p.lost_rims = lost_rims_, p.lost_places = lost_places_, p.widened = 1;
   p.more_seeds.clear();
-  p.points ? p.point_builder->ClearAddedSamples() : p.builder->ClearAddedSamples();
+  if (points_) {
+    const SizingLimits limits = p.point_builder->limits();
+    p.point_builder.reset();  // it refers to what goes now
+    p.points = points_, p.rims = rims_;
+    p.point_builder = std::make_unique<PointFieldBuilder>(*p.points, p.rims, limits);
+  } else {
+    p.builder->ClearAddedSamples();
+  }
   p.parameter = p.parameters.options.rho = rho;
   p.seconds = {};
   context.Report({Stage::kGuidance});

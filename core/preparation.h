@@ -30,7 +30,7 @@ struct Preparation {
   bool has_flat_normals = false;           // the attribute's are those of flat faces
   std::shared_ptr<FieldBuilder> builder;
   std::shared_ptr<PointSurface> points;  // of a point set; null for a mesh
-  std::shared_ptr<PointFieldBuilder> point_builder;
+  std::unique_ptr<PointFieldBuilder> point_builder;
   std::vector<RimCurve> rims;     // of the point set
   uint64_t lost_rims = 0;         // its curves that could not be followed
   std::vector<Vec3> lost_places;  // along them
@@ -77,7 +77,6 @@ class LevelStart {
         surface_(p.surface),
         builder_(p.builder),
         points_(p.points),
-        point_builder_(p.point_builder),
         rims_(p.rims),
         lost_rims_(p.lost_rims),
         lost_places_(p.lost_places),
@@ -93,7 +92,6 @@ class LevelStart {
   std::shared_ptr<MeshSurface> surface_;
   std::shared_ptr<FieldBuilder> builder_;
   std::shared_ptr<PointSurface> points_;
-  std::shared_ptr<PointFieldBuilder> point_builder_;
   std::vector<RimCurve> rims_;
   uint64_t lost_rims_;
   std::vector<Vec3> lost_places_;

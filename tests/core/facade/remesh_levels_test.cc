@@ -64,9 +64,9 @@ TEST(RemeshLevels, BeginEachLevelWhereTheFirstBegan) {
 
 // Attempts at one level make the supports of the samples wider.
 TEST(RemeshLevels, BeginEachLevelOnTheSurfaceThatThePointsHadFirst) {
-  TriangleMesh points = Icosphere(4);
-  points.triangles.clear();
+  TriangleMesh points = Sampled(Icosphere(4), 3000);
   points.normals = points.positions;
+  for (Vec3& n : points.normals) n = Normalized(n);
   ExpectLevelsAsAlone(points, {0.5, 0.8, 1.2}, 2);
 }
 
