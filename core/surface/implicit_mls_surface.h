@@ -37,12 +37,9 @@ class ImplicitMlsSurface final : public PointSurface {
                                       double radius_b) const override;
   SourcePoint Snap(const SourcePoint& start, const Vec3& target) const override;
   double MaxCurvatureAt(const SourcePoint& p) const override;
-  // At places of a lattice over the triangle, by the function's value: what lies between them is smoother than the
-  // samples are dense.
-  bool FindFarPlaces(const SourcePoint& start, const std::array<Vec3, 3>& triangle, double bound, double beside,
-                     std::vector<FarPlace>& far, std::vector<DoubtfulPart>* doubtful) const override;
 
  private:
+  SourcePoint FootOf(const SourcePoint& start, const Vec3& x) const override;
   struct Circle;
   std::optional<double> FindAngle(const Circle& circle, const Vec3& normal, double angle, SourcePoint& at) const;
   SourcePoint Descend(Vec3 x, const Vec3& normal, uint32_t patch) const;

@@ -155,25 +155,6 @@ std::optional<SourcePoint> MlsSurface::FindApex(const SourcePoint& a, const Sour
   return apex;
 }
 
-bool MlsSurface::FindFarPlaces(const SourcePoint& start, const std::array<Vec3, 3>& triangle, double bound,
-                               double beside, std::vector<FarPlace>& far, std::vector<DoubtfulPart>* doubtful) const {
-  static_cast<void>(beside);
-  far.clear();
-  if (doubtful) doubtful->clear();
-  SourcePoint at = start;
-  for (int i = 0; i <= kFarLattice; ++i) {
-    for (int j = 0; i + j <= kFarLattice; ++j) {
-      const int k = kFarLattice - i - j;
-      if (std::max({i, j, k}) == kFarLattice) continue;  // a corner
-      const Vec3 x = (i * triangle[0] + j * triangle[1] + k * triangle[2]) / kFarLattice;
-      at.patch = samples().PatchNear(x, start.normal, at.patch);
-      const MlsValue<1> value = Evaluate<1>(x, at.patch);
-      if (std::abs(value.f.value()) <= bound * Norm(value.f.Gradient())) continue;
-      FarPlace place{x, Project(at, x)};
-      if (Distance(place.above.position, x) > bound) far.push_back(place);
-    }
-  }
-  return true;
-}
+SourcePoint MlsSurface::FootOf(const SourcePoint& start, const Vec3& x) const { return Project(start, x); }
 
 }  // namespace meshfront

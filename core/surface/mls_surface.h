@@ -33,11 +33,9 @@ class MlsSurface final : public PointSurface {
                                       double radius_b) const override;
   SourcePoint Snap(const SourcePoint& start, const Vec3& target) const override;
   double MaxCurvatureAt(const SourcePoint& p) const override;
-  // As the implicit surface.
-  bool FindFarPlaces(const SourcePoint& start, const std::array<Vec3, 3>& triangle, double bound, double beside,
-                     std::vector<FarPlace>& far, std::vector<DoubtfulPart>* doubtful) const override;
 
  private:
+  SourcePoint FootOf(const SourcePoint& start, const Vec3& x) const override;
   struct Circle;
   double CurvatureAt(const Vec3& x, uint32_t patch) const;
   SourcePoint Project(const SourcePoint& start, const Vec3& target) const;

@@ -1,9 +1,18 @@
 #include "core/surface/point_surface.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
+#include "core/surface/tolerances.h"
+
 namespace meshfront {
+namespace {
+
+using namespace surface_tolerances;
+
+}  // namespace
 
 std::vector<SourcePoint> PointSurface::Seeds() const {
   std::vector<double> least(samples().component_count(), std::numeric_limits<double>::infinity());
@@ -20,6 +29,27 @@ std::vector<SourcePoint> PointSurface::Seeds() const {
   std::vector<SourcePoint> seeds;
   for (const uint32_t i : best) seeds.push_back(AtSample(i));
   return seeds;
+}
+
+bool PointSurface::FindFarPlaces(const SourcePoint& start, const std::array<Vec3, 3>& triangle, double bound,
+                                 double beside, std::vector<FarPlace>& far, std::vector<DoubtfulPart>* doubtful) const {
+  static_cast<void>(beside);
+  far.clear();
+  if (doubtful) doubtful->clear();
+  SourcePoint at = start;
+  for (int i = 0; i <= kFarLattice; ++i) {
+    for (int j = 0; i + j <= kFarLattice; ++j) {
+      const int k = kFarLattice - i - j;
+      if (std::max({i, j, k}) == kFarLattice) continue;  // a corner
+      const Vec3 x = (i * triangle[0] + j * triangle[1] + k * triangle[2]) / kFarLattice;
+      at.patch = samples().PatchNear(x, start.normal, at.patch);
+      const MlsValue<1> value = ValueAt(x, at.patch);
+      if (std::abs(value.f.value()) <= bound * Norm(value.f.Gradient())) continue;
+      FarPlace place{x, FootOf(at, x)};
+      if (Distance(place.above.position, x) > bound) far.push_back(place);
+    }
+  }
+  return true;
 }
 
 }  // namespace meshfront

@@ -1,6 +1,7 @@
 // What the preparation of a point set and its rims need of the surface that the points define, beyond Surface.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -42,6 +43,14 @@ class PointSurface : public Surface {
   std::vector<SourcePoint> Seeds() const;
   // Of places that TraceRims found.
   bool IsOnBoundary(const SourcePoint& p) const override { return p.u == 1; }
+  // At places of a lattice over the triangle, by the function's value: what lies between them is smoother than the
+  // samples are dense.
+  bool FindFarPlaces(const SourcePoint& start, const std::array<Vec3, 3>& triangle, double bound, double beside,
+                     std::vector<FarPlace>& far, std::vector<DoubtfulPart>* doubtful) const override;
+
+ private:
+  // The place of the surface near x, from the normal and the patch of `start` on.
+  virtual SourcePoint FootOf(const SourcePoint& start, const Vec3& x) const = 0;
 };
 
 }  // namespace meshfront

@@ -6,17 +6,11 @@
 #include "core/remesh.h"
 #include "tests/support/checking_sink.h"
 #include "tests/support/matchers.h"
+#include "tests/support/polylines.h"
 #include "tests/support/shapes.h"
 
 namespace meshfront::testing {
 namespace {
-
-Polylines Line(std::vector<Vec3> points) {
-  Polylines lines;
-  for (uint32_t i = 1; i < points.size(); ++i) lines.segments.push_back({i - 1, i});
-  lines.points = std::move(points);
-  return lines;
-}
 
 struct Result {
   TriangleMesh mesh;

@@ -8,6 +8,7 @@
 #include "core/geometry/triangle.h"
 #include "core/mesh/topology.h"
 #include "tests/support/matchers.h"
+#include "tests/support/polylines.h"
 #include "tests/support/shapes.h"
 #include "tests/support/textured.h"
 
@@ -15,14 +16,6 @@ namespace meshfront::testing {
 namespace {
 
 constexpr auto kInvalid = absl::StatusCode::kInvalidArgument;
-
-// One line through all points.
-Polylines Line(std::vector<Vec3> points) {
-  Polylines lines;
-  for (uint32_t i = 1; i < points.size(); ++i) lines.segments.push_back({i - 1, i});
-  lines.points = std::move(points);
-  return lines;
-}
 
 struct Split {
   TriangleMesh mesh;

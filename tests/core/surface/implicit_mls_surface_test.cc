@@ -7,6 +7,7 @@
 
 #include "core/geometry/triangle.h"
 #include "gtest/gtest.h"
+#include "tests/support/point_surface_derivatives.h"
 #include "tests/support/shapes.h"
 
 namespace meshfront {
@@ -39,24 +40,8 @@ std::unique_ptr<ImplicitMlsSurface> Torus(int around = 200, int along = 80) {
 }
 
 TEST(ImplicitMls, HasTheDerivativesOfItsValue) {
-  const auto surface = Torus(100, 40);
-  constexpr double h = 1e-6;
-  for (uint32_t i = 0; i < 4000; i += 397) {
-    const MlsSample& s = surface->samples().samples()[i];
-    const Vec3 x = s.position + 0.2 * s.support * s.normal;
-    const uint32_t patch = surface->samples().PatchOf(i);
-    const Jet<2> f = surface->Evaluate<2>(x, patch).f;
-    for (int axis = 0; axis < 3; ++axis) {
-      Vec3 step;
-      step[axis] = h;
-      const auto after = surface->Evaluate<1>(x + step, patch), before = surface->Evaluate<1>(x - step, patch);
-      EXPECT_NEAR(f.Gradient()[axis], (after.f.value() - before.f.value()) / (2 * h), 1e-6);
-      Vec3 unit;
-      unit[axis] = 1;
-      const Vec3 bend = (after.f.Gradient() - before.f.Gradient()) / (2 * h);
-      EXPECT_LE(Distance(f.HessianTimes(unit), bend), 1e-4 * (1 + Norm(bend)));
-    }
-  }
+  testing::ExpectDerivativesOfValue(*Torus(100, 40),
+                                    {.step = 1e-6, .height = 0.2, .gradient = 1e-6, .curvature = 1e-4});
 }
 
 // n(x)·(x − a(x)) alone is off by h² / 12 on a unit sphere, 1.6e-3 here.

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "gtest/gtest.h"
+#include "tests/support/point_surface_derivatives.h"
 #include "tests/support/shapes.h"
 
 namespace meshfront {
@@ -25,23 +26,7 @@ TriangleMesh SpherePoints(int subdivisions) {
 // Against finite differences of the fit itself.
 TEST(MlsSurface, HasTheDerivativesOfItsDistance) {
   const auto surface = SurfaceOf(testing::Sampled(testing::Torus(1, 0.4, 100, 40), 4000));
-  constexpr double h = 1e-5;
-  for (uint32_t i = 0; i < 4000; i += 397) {
-    const MlsSample& s = surface->samples().samples()[i];
-    const Vec3 x = s.position + 0.1 * s.support * s.normal;
-    const uint32_t patch = surface->samples().PatchOf(i);
-    const Jet<2> f = surface->Evaluate<2>(x, patch).f;
-    for (int axis = 0; axis < 3; ++axis) {
-      Vec3 step;
-      step[axis] = h;
-      const auto after = surface->Evaluate<1>(x + step, patch), before = surface->Evaluate<1>(x - step, patch);
-      EXPECT_NEAR(f.Gradient()[axis], (after.f.value() - before.f.value()) / (2 * h), 1e-4);
-      Vec3 unit;
-      unit[axis] = 1;
-      const Vec3 bend = (after.f.Gradient() - before.f.Gradient()) / (2 * h);
-      EXPECT_LE(Distance(f.HessianTimes(unit), bend), 1e-2 * (1 + Norm(bend)));
-    }
-  }
+  testing::ExpectDerivativesOfValue(*surface, {.step = 1e-5, .height = 0.1, .gradient = 1e-4, .curvature = 1e-2});
 }
 
 TEST(MlsSurface, LiesOnTheSphereThatWasSampled) {
