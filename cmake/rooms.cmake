@@ -14,6 +14,11 @@ function(meshfront_room name)
   if(sources)
     add_library(meshfront_${name} OBJECT ${sources})
     target_link_libraries(meshfront_${name} PUBLIC meshfront_options ${ROOM_DEPENDS} ${ROOM_LINK})
+    list(LENGTH sources files)
+    if(files GREATER 5)  # else the header takes as long to compile as it saves
+      meshfront_precompile(meshfront_${name} <algorithm> <array> <cmath> <functional> <memory> <optional> <string> <vector>
+        <absl/container/flat_hash_map.h> <absl/status/statusor.h> <absl/strings/str_cat.h> <absl/types/span.h>)
+    endif()
     set_property(GLOBAL APPEND PROPERTY MESHFRONT_ROOM_OBJECTS $<TARGET_OBJECTS:meshfront_${name}>)
   else()
     add_library(meshfront_${name} INTERFACE)
