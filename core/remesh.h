@@ -121,7 +121,7 @@ struct Report {
   ParametersInForce parameters;
   uint64_t predicted_triangles = 0;  // before any was made
   double error_bound =
-      0;  // eq. 7 with the longest edge, absolute; where max_error is held constant that, for a count about 1.6 of it or more
+      0;  // eq. 7 with the longest edge, absolute; where max_error is held constant that, for a count about 1.3 of it or more
   TopologyReport output;  // of all that was handed on
   bool complete = true;   // false: open_places lists where the mesh could not be closed, or a warning what is wrong
   std::vector<Vec3> open_places;

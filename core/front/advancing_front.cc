@@ -92,7 +92,8 @@ class AdvancingFront {
         proposer_(surface, fronts_, fences_),
         window_(surface, fronts_,
                 {options.flips, options.smooth, options.fit, options.error_per_length, options.max_error,
-                 field.options().min_length, options.max_insertions, options.wedges},
+                 field.options().min_length, options.max_insertions, static_cast<double>(options.predicted_triangles),
+                 options.wedges},
                 sink) {}
 
   absl::StatusOr<FrontReport> Run(const std::vector<OrientedLoop>& loops, const std::vector<SourcePoint>& seeds);

@@ -51,6 +51,7 @@ class DeviationMeter {
   // The surface's corners that the last Measure found farther from the triangle, along its normal, than the bound: perhaps from other
   // triangles, too.
   const std::vector<FarPlace>& far_details() const { return far_details_; }
+  void set_bound(double bound) { bound_ = bound; }
 
  private:
   void Note(const PlaceAndFoot& at);
@@ -64,7 +65,7 @@ class DeviationMeter {
   PlaceAndFoot Middle(const PlaceAndFoot& a, const PlaceAndFoot& b);
 
   const Surface& surface_;
-  const double bound_;
+  double bound_;
   const bool certain_;
   std::array<PlaceAndFoot, 3> corners_;
   Vec3 normal_;

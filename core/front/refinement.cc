@@ -14,9 +14,9 @@
 namespace meshfront {
 namespace {
 
-constexpr double kDetailPerBound = 1.25;  // how far the surface's corners may be from the output
-constexpr double kMaxDetail = 1.0;        // of the triangle's longest side
-constexpr double kFarBeyond = 1.5;        // of the bound: one halved side would not do
+constexpr double kDetailPerBound = 1.0;  // how far the surface's corners may be from the output
+constexpr double kMaxDetail = 1.0;       // of the triangle's longest side
+constexpr double kFarBeyond = 1.5;       // of the bound: one halved side would not do
 constexpr double kShortestPerGuidance =
     0.0625;  // no shorter edges than this part of what the field asks for: bounds a place
 constexpr double kMinAgreement =
@@ -124,7 +124,7 @@ double Refinement::DistanceToOutput(const Vec3& place, const Corners& corners) c
 }
 
 std::vector<WindowVertexId> Refinement::Refine(const std::vector<WindowTriangleId>& triangles, Manner manner,
-                                               size_t limit) {
+                                               absl::FunctionRef<size_t(double excess)> limit) {
   made_.clear();
   touched_.assign(fronts_.triangle_slots(), 0);
   std::vector<WindowTriangleId> beyond;
@@ -140,7 +140,7 @@ std::vector<WindowVertexId> Refinement::Refine(const std::vector<WindowTriangleI
     least_ratio_ = kMinRadiusRatio;
     if (deviation.is_kept || TryLift(t, deviation) || TryTurn(t)) continue;
     least_ratio_ = LeastRatioFor(t, manner);
-    if (made_.size() < limit) RefineAt(t, deviation, manner);
+    if (made_.size() < limit(deviation.largest / max_error_)) RefineAt(t, deviation, manner);
   }
   return made_;
 }

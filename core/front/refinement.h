@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "absl/functional/function_ref.h"
 #include "absl/types/span.h"
 #include "core/front/deviation.h"
 #include "core/front/front_set.h"
@@ -24,11 +25,11 @@ class Refinement {
   Refinement(const Surface& surface, FrontSet& fronts, double max_error, double min_edge, uint32_t depth, bool certain)
       : surface_(surface),
         fronts_(fronts),
-        max_error_(kAimedAt * max_error),
+        first_bound_(kAimedAt * max_error),
         min_edge_(min_edge),
         depth_(depth),
         certain_(certain),
-        meter_(surface, max_error_, certain) {}
+        meter_(surface, first_bound_, certain) {}
 
   // Whether a triangle need not be measured; if so, writes down that it keeps the bound. Never where that is to be shown.
   bool NeedNotBeMeasured(WindowTriangleId t, const TriangleFeet& feet);
@@ -37,14 +38,18 @@ class Refinement {
   // Writes down of a triangle that is beyond the bound what it is certainly within, about to a twentieth.
   void Enclose(WindowTriangleId t);
   // Measures the triangles and mends those that don't keep the bound, the worst first and once each: by moving their corners towards
-  // the surface, by turning a side, or by new vertices, about `limit` at most, whichever does it first. Returns the new vertices.
-  std::vector<WindowVertexId> Refine(const std::vector<WindowTriangleId>& triangles, Manner manner, size_t limit);
+  // the surface, by turning a side, or by new vertices, whichever does it first. Returns the new vertices.
+  // `limit`: how many vertices there may be, about, before a triangle is refined that is so many times the bound off.
+  std::vector<WindowVertexId> Refine(const std::vector<WindowTriangleId>& triangles, Manner manner,
+                                     absl::FunctionRef<size_t(double excess)> limit);
   // Moves the vertices to where the triangles around them are rounder, as far as these stay within the bound.
   void RoundOff(const std::vector<WindowVertexId>& vertices);
   // Moves a vertex, if no triangle around it leaves the bound by that.
   bool TryMove(WindowVertexId v, const Vec3& place);
   // What it keeps, a little less than max_error.
   double bound() const { return max_error_; }
+  // From now on it aims at so many times the bound that it was made for.
+  void SetSlack(double factor) { max_error_ = factor * first_bound_, meter_.set_bound(max_error_); }
   // Vertices that rims have got by it so far.
   uint64_t rim_insertions() const { return rim_insertions_; }
 
@@ -95,7 +100,8 @@ class Refinement {
   // Of the bound. Who certifies the output encloses its distance to a fiftieth of the bound, say, and looks at the upper end.
   static constexpr double kAimedAt = 0.9799;
 
-  const double max_error_, min_edge_;
+  const double first_bound_, min_edge_;
+  double max_error_ = first_bound_;
   const uint32_t depth_;
   const bool certain_;
   DeviationMeter meter_;

@@ -38,7 +38,8 @@ constexpr int kMovedRounds = 8, kPlainRounds = 4,
               kLastRounds = 4;  // of the refinement; each reaches every triangle once
 // Of max_error, where only what is far beyond it is refined. At 1 the maximum is the same and triangles are less round, since a few
 // places make it; at 1.9 it is larger.
-constexpr double kFarBeyondMaxError = 1.6;
+constexpr double kFarBeyondMaxError = 1.3;
+constexpr double kSlackStep = 1.05;
 // What a triangle may deviate at most, in parts of the largest place that was measured before it was given up.
 constexpr double kMostPerMeasured = 1.5;
 constexpr int kRefinementRings = 2;  // around new vertices, that move with them
@@ -525,18 +526,28 @@ double SettlingWindow::RefinedBeyond(const SettlingOptions& options) {
   return std::isfinite(options.max_insertions) ? kFarBeyondMaxError * options.max_error : options.max_error;
 }
 
-// How many vertices the refinement may still add.
-size_t SettlingWindow::InsertionsLeft() const {
-  constexpr double kAny = 1e9;
-  return static_cast<size_t>(std::clamp(options_.max_insertions - static_cast<double>(counts_.insertions), 0.0, kAny));
+size_t SettlingWindow::InsertionsLeft(double excess) const {
+  return insertion_budget_.Left(counts_.insertions, counts_.triangles + fronts_.triangle_count(), excess);
+}
+
+// Where the insertions are spent only what is farther off is refined, until they are level with the triangles again: as where
+// the output is finer than the input's edges, whose turns no finer triangle makes smaller.
+void SettlingWindow::PaceInsertions() {
+  if (IsBeyondMended()) return;
+  slack_ = InsertionsLeft(1) == 0 ? slack_ * kSlackStep : std::max(1.0, slack_ / kSlackStep);
+  refinement_.SetSlack(slack_);
+  counts_.largest_deviation =
+      std::max(counts_.largest_deviation, refinement_.bound());  // what is within is not told apart
 }
 
 // Refines until every triangle keeps the bound: first by halved sides, each time moved to good places; what these moves can't keep
 // within the bound by plain insertions; and what no good triangle can, by any.
 void SettlingWindow::KeepMaxError(const Context& context) {
+  PaceInsertions();
   std::vector<WindowTriangleId> all = around_;
   const auto refine = [&](Refinement::Manner manner) {
-    const std::vector<WindowVertexId> made = refinement_.Refine(DoubtfulTriangles(), manner, InsertionsLeft());
+    const std::vector<WindowVertexId> made =
+        refinement_.Refine(DoubtfulTriangles(), manner, [this](double excess) { return InsertionsLeft(excess); });
     counts_.insertions += made.size();
     if (made.empty() || !context.CheckStop().ok()) return false;
     ChooseNear(made);
@@ -710,8 +721,6 @@ absl::Status SettlingWindow::Emit(bool everything) {
       faces.push_back(fronts_.at(t.corners[0]).source.patch);
     }
     if (std::isfinite(options_.max_error)) {
-      // What is within that is not told apart where a count is wanted.
-      if (!IsBeyondMended()) counts_.largest_deviation = std::max(counts_.largest_deviation, refinement_.bound());
       if (t.deviation < 0) refinement_.Measure(id);
       if (t.deviation > options_.max_error && MayBeLargest(t.deviation)) refinement_.Enclose(id);
       if (t.deviation > counts_.largest_deviation)

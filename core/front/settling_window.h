@@ -12,6 +12,7 @@
 #include "core/front/audit.h"
 #include "core/front/closure.h"
 #include "core/front/front_set.h"
+#include "core/front/insertion_budget.h"
 #include "core/front/refinement.h"
 #include "core/mesh/mesh_sink.h"
 #include "core/mesh/quality.h"
@@ -26,7 +27,8 @@ struct SettlingOptions {
   double min_edge = 0;  // … unless their edges become shorter than that, …
   // … or more vertices than so many, the worst first. Where that is finite only those far beyond max_error are: they make the maximum.
   double max_insertions = std::numeric_limits<double>::infinity();
-  bool wedges = false;  // pieces say where on the surface their corners were made
+  double predicted_triangles = 0;  // over which max_insertions are spread
+  bool wedges = false;             // pieces say where on the surface their corners were made
 };
 
 // Totals over everything that has left the window.
@@ -57,7 +59,8 @@ class SettlingWindow {
         options_(options),
         sink_(sink),
         refinement_(surface, fronts, RefinedBeyond(options), options.min_edge, kMoveDepth,
-                    !std::isfinite(options.max_insertions)) {}
+                    !std::isfinite(options.max_insertions)),
+        insertion_budget_(options.max_insertions, options.predicted_triangles) {}
 
   // Improves what has come to lie kMoveDepth rings or more behind the fronts since the last time, and audits what is to leave.
   // Returns both triangles of each pair that intersects, so that the front can take them back; none of their vertices is frozen.
@@ -120,9 +123,10 @@ class SettlingWindow {
   CornerWedges WedgesOf(const WindowTriangle& t, std::vector<OutputWedge>& wedges);
   VertexId NameOf(const WindowVertex& v, std::vector<OutputVertex>& vertices);
   void KeepMaxError(const Context& context);
+  void PaceInsertions();
   std::vector<WindowTriangleId> DoubtfulTriangles();
   static double RefinedBeyond(const SettlingOptions& options);
-  size_t InsertionsLeft() const;
+  size_t InsertionsLeft(double excess) const;
   void RoundOff(const std::vector<WindowTriangleId>& triangles);
   void ChooseNear(const std::vector<WindowVertexId>& made);
   void FindSlivers();
@@ -144,7 +148,9 @@ class SettlingWindow {
   const SettlingOptions options_;
   MeshSink& sink_;
   Refinement refinement_;
+  const InsertionBudget insertion_budget_;
   SettledCounts counts_;
+  double slack_ = 1;  // of what is refined, where insertions are counted
   std::vector<Spoke> ring_;
   std::vector<WindowVertexId> chosen_;     // what this call of Improve moves, by id
   std::vector<WindowTriangleId> around_;   // the triangles that have a chosen corner, by id

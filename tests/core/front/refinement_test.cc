@@ -18,7 +18,7 @@ using ::testing::Not;
 using testing::PlaneSurface;
 using testing::SphereSurface;
 
-constexpr size_t kNoLimit = 1000;
+size_t NoLimit(double /*excess*/) { return 1000; }
 
 // A vertex that has to go back to a front is told apart by its sheet from what lies close on another.
 TEST(Refinement, PutsVerticesOnTheSheetOfTheirNeighbours) {
@@ -42,7 +42,11 @@ TEST(Refinement, PutsVerticesOnTheSheetOfTheirNeighbours) {
       step = fronts.Connect(rim, fronts.at(rim).prev, TriangleKind::kConnection);
     }
     Refinement refinement(sphere, fronts, 0.005, 0, 0, true);
-    EXPECT_THAT(refinement.Refine(LiveTriangles(fronts), manner, kNoLimit), Not(IsEmpty()));
+    refinement.SetSlack(100);
+    EXPECT_THAT(refinement.Refine(LiveTriangles(fronts), manner, NoLimit), IsEmpty());
+    refinement.SetSlack(1);
+    EXPECT_THAT(refinement.Refine(LiveTriangles(fronts), manner, [](double) { return size_t{0}; }), IsEmpty());
+    EXPECT_THAT(refinement.Refine(LiveTriangles(fronts), manner, NoLimit), Not(IsEmpty()));
     EXPECT_EQ(FaultOf(fronts), "");
     for (const WindowTriangleId t : LiveTriangles(fronts)) {
       for (const WindowVertexId corner : fronts.at(t).corners) EXPECT_EQ(fronts.at(corner).sheet, 7u);
@@ -67,7 +71,7 @@ TEST(Refinement, PutsAVertexOnARimButNotOnACreaseThatTwoPatchesShare) {
     const FrontEdgeId e = fronts.AddLoop(v);
     fronts.Connect(e, fronts.at(e).prev, TriangleKind::kClosing);
     Refinement refinement(plane, fronts, 0.01, 0, 0, true);
-    const auto made = refinement.Refine(LiveTriangles(fronts), Refinement::Manner::kSides, kNoLimit);
+    const auto made = refinement.Refine(LiveTriangles(fronts), Refinement::Manner::kSides, NoLimit);
     EXPECT_EQ(FaultOf(fronts), "");
     EXPECT_EQ(made.empty(), is_crease);
     EXPECT_EQ(refinement.rim_insertions(), is_crease ? 0u : 1u);
