@@ -19,6 +19,7 @@
 #include "core/base/status_macros.h"
 #include "core/features/boundary.h"
 #include "core/geometry/triangle.h"
+#include "core/guidance/count_search.h"
 #include "core/guidance/prediction.h"
 #include "core/guidance/sizing.h"
 
@@ -44,11 +45,7 @@ constexpr int kMaxSteps = 24;
 constexpr int kMaxProbeSteps = 8;
 constexpr double kProbeTolerance = 0.01;  // counts on a part of the faces are off by more
 constexpr size_t kProbeFaces = 4096, kCheckedProbePieces = 1024;
-constexpr double kNear = 0.15;    // of a count: so near, counts on a part of the faces tell how those on all change
-constexpr double kMaxStep = 1.5;  // of the parameter's logarithm
-constexpr double kTellingStep = 0.5;
-constexpr double kJump = 1e-3;       // of the parameter's logarithm: the count is not continuous
-constexpr double kSameCount = 1e-4;  // of the count's logarithm: the parameter has lost its influence
+constexpr double kNear = 0.15;  // of a count: so near, counts on a part of the faces tell how those on all change
 constexpr double kErrorCountFactor = 1.01, kRefinedPerLeftOut = 0.1, kMostLeftOut = 0.1;
 constexpr double kThicknessHeadroom = 1.2;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -70,40 +67,6 @@ double LargestParameter(const SizingLimits& limits) {
   }
   return limits.max_edge;
 }
-
-// Finds the root of a falling function on a line, known at a growing number of places; the line ends at `last` on the right.
-class CountSearch {
- public:
-  // `slope`: of the function, to begin with.
-  CountSearch(double log_target, double exponent, double slope, double last)
-      : log_target_(log_target), exponent_(exponent), slope_(slope), last_(last) {}
-
-  // Takes in what the count is at a place, and says where to try next.
-  double Next(double place, double log_count) {
-    if (std::isfinite(place_)) {
-      slope_ = std::clamp((log_count - log_count_) / (place - place_), 2 * exponent_, 0.02 * exponent_);
-      const double step = std::abs(place - place_);
-      has_stopped_ =
-          log_count < log_target_ && step >= kTellingStep && std::abs(log_count - log_count_) < kSameCount * step;
-    }
-    place_ = place, log_count_ = log_count;
-    (log_count > log_target_ ? left_ : right_) = place;
-    const double next = std::min(last_, place + std::clamp((log_target_ - log_count) / slope_, -kMaxStep, kMaxStep));
-    if ((next > left_ && next < right_) || std::isinf(left_) || std::isinf(right_)) return next;
-    return 0.5 * (left_ + right_);
-  }
-  double slope() const { return slope_; }  // where it was asked last
-  // More on the left and fewer on the right, and hardly anything between.
-  bool IsAtAJump() const { return right_ - left_ < kJump; }
-  // The place has lost its influence on the count, or there is no other on the side where the target lies.
-  bool IsExhausted() const { return has_stopped_ || (place_ >= last_ && log_count_ > log_target_); }
-
- private:
-  double log_target_, exponent_, slope_, last_;
-  double left_ = -kInfinity, right_ = kInfinity;  // places with more, and with fewer
-  double place_ = kInfinity, log_count_ = 0;
-  bool has_stopped_ = false;
-};
 
 absl::Status Unreachable(uint64_t count, double nearest) {
   return absl::InvalidArgumentError(
