@@ -1,0 +1,224 @@
+#!/usr/bin/env python3
+"""Remeshes over gRPC from Python: to use, or to see what a client in any language has to do.
+
+    client/python/generate_stubs
+    client/python/meshfront_client.py HOST:PORT in.ply out.off --rho 0.5
+
+or, in a program:
+
+    client = meshfront_client.RemeshClient("127.0.0.1:50051")
+    result = client.remesh_mesh(positions, triangles, options={"rho": 0.5})
+    result.positions, result.triangles, result.summary.quality.radius_ratio_median
+
+Arrays go in as buffers of float64 and uint32 (array.array, numpy, bytes), and come back as array.array. Debian's packages: python3-grpcio,
+python3-protobuf, python3-crcmod.
+"""
+import argparse
+import array
+import dataclasses
+import hashlib
+import os
+import pathlib
+import sys
+
+import crcmod.predefined
+import grpc
+
+sys.path.append(os.environ.get("MESHFRONT_STUBS", str(pathlib.Path(__file__).resolve().parent / "generated")))
+from meshfront.v1 import events_pb2, mesh_pb2, options_pb2, remesh_service_pb2, remesh_service_pb2_grpc  # noqa: E402
+
+BLOCK_BYTES = 1 << 18
+# Chunks of up to 1 MiB and what is around them.
+MESSAGE_BYTES = 4 << 20
+
+crc32c = crcmod.predefined.mkCrcFun("crc-32c")
+
+
+class RemeshError(Exception):
+    """The server refused, or the call failed. `code`: a grpc.StatusCode."""
+
+    def __init__(self, code, message):
+        super().__init__(f"{code.name}: {message}")
+        self.code, self.message = code, message
+
+
+class DamagedError(Exception):
+    """What came back is not what was sent: a checksum, a number or a count is wrong."""
+
+
+@dataclasses.dataclass
+class Result:
+    """A mesh, and the report on it."""
+    positions: array.array      # float64, three a vertex
+    triangles: array.array      # uint32, three a triangle, counter-clockwise seen from outside
+    summary: events_pb2.Summary
+    warnings: list              # sentences
+
+    @property
+    def complete(self):
+        """Whether it is whole; else summary.open_places says where it is not."""
+        return self.summary.complete
+
+
+class RemeshClient:
+    """Calls one server. Safe to share among threads."""
+
+    def __init__(self, target, credentials=None):
+        """`target`: HOST:PORT. `credentials`: grpc.ssl_channel_credentials(…) for a server with TLS."""
+        limits = [("grpc.max_receive_message_length", MESSAGE_BYTES)]
+        channel = grpc.secure_channel(target, credentials, limits) if credentials else grpc.insecure_channel(target, limits)
+        self._stub = remesh_service_pb2_grpc.MeshfrontServiceStub(channel)
+
+    def capabilities(self, timeout=None):
+        """What the server can do and allows: remesh_service_pb2.GetCapabilitiesResponse."""
+        try:
+            return self._stub.GetCapabilities(remesh_service_pb2.GetCapabilitiesRequest(), timeout=timeout)
+        except grpc.RpcError as error:
+            raise RemeshError(error.code(), error.details()) from None
+
+    def remesh_mesh(self, positions, triangles, **keywords):
+        """Remeshes an indexed mesh. Keywords: see _call."""
+        positions, triangles = _as_bytes(positions, 24, "positions"), _as_bytes(triangles, 12, "triangles")
+        header = mesh_pb2.Header(mesh=mesh_pb2.MeshArrays(vertex_count=len(positions) // 24, triangle_count=len(triangles) // 12,
+                                                          scalar_type=mesh_pb2.SCALAR_TYPE_FLOAT64))
+        return self._call(header, {mesh_pb2.ARRAY_POSITIONS: positions, mesh_pb2.ARRAY_TRIANGLES: triangles}, **keywords)
+
+    def remesh_points(self, positions, normals=None, **keywords):
+        """Meshes a point set, with outward normals or without. Keywords: see _call."""
+        arrays = {mesh_pb2.ARRAY_POSITIONS: _as_bytes(positions, 24, "positions")}
+        count = len(arrays[mesh_pb2.ARRAY_POSITIONS]) // 24
+        if normals is not None:
+            arrays[mesh_pb2.ARRAY_NORMALS] = _as_bytes(normals, 24, "normals")
+            if len(arrays[mesh_pb2.ARRAY_NORMALS]) != 24 * count:
+                raise ValueError(f"there are {len(arrays[mesh_pb2.ARRAY_NORMALS]) // 24} normals for {count} points")
+        header = mesh_pb2.Header(points=mesh_pb2.PointSet(point_count=count, scalar_type=mesh_pb2.SCALAR_TYPE_FLOAT64,
+                                                          has_normals=normals is not None))
+        return self._call(header, arrays, **keywords)
+
+    def remesh_file(self, name, data, **keywords):
+        """Remeshes what is in a file (OFF, OBJ, PLY, STL, GLB, glTF, XYZ), which the server reads. Keywords: see _call."""
+        header = mesh_pb2.Header(file=mesh_pb2.WholeFile(name=pathlib.PurePath(name).name, size_bytes=len(data)))
+        return self._call(header, {mesh_pb2.ARRAY_FILE: memoryview(data)}, **keywords)
+
+    def _call(self, header, arrays, options=None, timeout=None, on_progress=None):
+        """`options`: a dict or an options_pb2.RemeshOptions; `timeout`: seconds; `on_progress(triangles, predicted_triangles)`.
+
+        Raises RemeshError, DamagedError. A call that is broken off (an exception in on_progress, Ctrl-C) is cancelled on the server too.
+        """
+        if options is not None:
+            header.options.CopyFrom(options_pb2.RemeshOptions(**options) if isinstance(options, dict) else options)
+        header.output.scalar_type = mesh_pb2.SCALAR_TYPE_FLOAT64
+        call = self._stub.Remesh(_requests(header, arrays), timeout=timeout)
+        try:
+            return _collect(call, on_progress)
+        except grpc.RpcError as error:
+            raise RemeshError(error.code(), error.details()) from None
+        finally:
+            call.cancel()  # does nothing to a call that has ended
+
+
+def _as_bytes(buffer, element, name):
+    view = memoryview(buffer)
+    if not view.c_contiguous:
+        raise ValueError(f"{name} must be contiguous")
+    view = view.cast("B")
+    if len(view) == 0 or len(view) % element:
+        raise ValueError(f"{name} has {len(view)} bytes; it takes {element} each")
+    return view
+
+
+def _requests(header, arrays):
+    """Header, blocks, end: what the server wants, in the order that it wants it."""
+    yield remesh_service_pb2.RemeshRequest(header=header)
+    digest = hashlib.sha256()
+    for name, data in arrays.items():
+        for offset in range(0, len(data), BLOCK_BYTES):
+            block = bytes(data[offset:offset + BLOCK_BYTES])
+            digest.update(block)
+            yield remesh_service_pb2.RemeshRequest(
+                block=mesh_pb2.DataBlock(array=name, offset=offset, data=block, crc32c=crc32c(block)))
+    yield remesh_service_pb2.RemeshRequest(end=mesh_pb2.EndOfInput(sha256=digest.digest()))
+
+
+def _collect(call, on_progress):
+    positions, triangles, warnings = array.array("d"), array.array("I"), []
+    chunks, predicted, summary = 0, 0, None
+    for response in call:
+        kind = response.event.WhichOneof("event")
+        if kind == "chunk":
+            chunk = response.event.chunk
+            _check(chunk, chunks, len(positions) // 3)
+            positions.frombytes(chunk.positions)
+            triangles.frombytes(chunk.indices)
+            chunks += 1
+        elif kind == "progress":
+            predicted = response.event.progress.predicted_triangles
+        elif kind == "defect":
+            warnings.append(response.event.defect.message)
+        elif kind == "summary":
+            summary = response.event.summary
+            warnings.extend(summary.warnings)
+        if on_progress and kind in ("chunk", "progress"):
+            on_progress(len(triangles) // 3, predicted)
+    if summary is None or summary.chunks != chunks:
+        raise DamagedError("the stream ended without its summary, or chunks are missing: the mesh is not whole")
+    if sys.byteorder == "big":
+        positions.byteswap(), triangles.byteswap()
+    return Result(positions, triangles, summary, warnings)
+
+
+def _check(chunk, sequence, first_vertex):
+    # All bytes fields, in the order of their numbers.
+    crc = 0
+    for data in (chunk.positions, chunk.normals, chunk.indices, chunk.finalised, chunk.wedge_values, chunk.corner_wedges, chunk.groups):
+        crc = crc32c(data, crc)
+    if (chunk.crc32c, chunk.sequence, chunk.first_vertex) != (crc, sequence, first_vertex):
+        raise DamagedError(f"chunk {sequence} is not what was sent")
+    if len(chunk.positions) != 24 * chunk.vertex_count or len(chunk.indices) != 12 * chunk.triangle_count:
+        raise DamagedError(f"chunk {sequence} has other arrays than it says")
+
+
+def write_off(path, result):
+    """Writes the mesh aside and renames it, so that a file that was there is whole at any time."""
+    p, t = result.positions, result.triangles
+    aside = pathlib.Path(f"{path}.part")
+    with aside.open("w", encoding="ascii") as out:
+        out.write(f"OFF\n{len(p) // 3} {len(t) // 3} 0\n")
+        out.writelines(f"{p[i]!r} {p[i + 1]!r} {p[i + 2]!r}\n" for i in range(0, len(p), 3))
+        out.writelines(f"3 {t[i]} {t[i + 1]} {t[i + 2]}\n" for i in range(0, len(t), 3))
+    aside.replace(path)
+
+
+def main():
+    parser = argparse.ArgumentParser(description="Remeshes a file on a server.")
+    parser.add_argument("server", metavar="HOST:PORT")
+    parser.add_argument("input", metavar="IN", help="OFF, OBJ, PLY, STL, GLB, glTF or XYZ")
+    parser.add_argument("output", metavar="OUT.off")
+    parser.add_argument("--rho", type=float, help="angle that an edge subtends on the osculating circle, default 0.8")
+    parser.add_argument("--target-triangles", type=int)
+    parser.add_argument("--timeout", type=float, help="seconds")
+    arguments = parser.parse_args()
+    options = {name: value for name in ("rho", "target_triangles") if (value := getattr(arguments, name)) is not None}
+
+    def show(triangles, predicted):
+        if sys.stderr.isatty():
+            print(f"\r{triangles} of about {predicted} triangles", end="", file=sys.stderr, flush=True)
+
+    try:
+        data = pathlib.Path(arguments.input).read_bytes()
+        result = RemeshClient(arguments.server).remesh_file(arguments.input, data, options=options, timeout=arguments.timeout,
+                                                            on_progress=show)
+    except OSError as error:
+        sys.exit(f"meshfront_client: {error.filename}: {error.strerror}")
+    except (RemeshError, DamagedError) as error:
+        sys.exit(f"meshfront_client: {error}")
+    for warning in result.warnings:
+        print(f"warning: {warning}", file=sys.stderr)
+    write_off(arguments.output, result)
+    quality = result.summary.quality
+    print(f"{len(result.triangles) // 3} triangles, 2r/R {quality.radius_ratio_min:.3f} at least, {quality.radius_ratio_median:.3f} in the middle")
+    return 0 if result.complete else 4
+
+
+if __name__ == "__main__":
+    sys.exit(main())

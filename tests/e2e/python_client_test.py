@@ -1,0 +1,164 @@
+"""The Python client against the real server, over a real socket.
+
+    python_client_test.py MESHFRONTD MESHFRONT [unittest's arguments]     with client/python and the stubs on PYTHONPATH
+"""
+import array
+import math
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import grpc
+
+import meshfront_client
+from meshfront_client import RemeshClient, RemeshError
+
+MESHFRONTD, MESHFRONT = sys.argv[1:3]
+
+
+def torus(around, along):
+    """A torus of radii 1 and 0.4: positions, triangles."""
+    positions, triangles = array.array("d"), array.array("I")
+    for i in range(around):
+        for j in range(along):
+            u, v = 2 * math.pi * i / around, 2 * math.pi * j / along
+            radius = 1 + 0.4 * math.cos(v)
+            positions.extend((radius * math.cos(u), radius * math.sin(u), 0.4 * math.sin(v)))
+            a, b = i * along + j, (i + 1) % around * along + j
+            c, d = (i + 1) % around * along + (j + 1) % along, i * along + (j + 1) % along
+            triangles.extend((a, b, c, a, c, d))
+    return positions, triangles
+
+
+def is_closed(triangles):
+    """Whether every edge is run through once in each direction."""
+    edges = set()
+    for i in range(0, len(triangles), 3):
+        t = triangles[i:i + 3]
+        for k in range(3):
+            edge = (t[k], t[(k + 1) % 3])
+            if edge in edges:
+                return False
+            edges.add(edge)
+    return all((b, a) in edges for a, b in edges)
+
+
+class PythonClient(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.server = subprocess.Popen([MESHFRONTD, "--listen", "127.0.0.1:0"], stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        ready = cls.server.stderr.readline()
+        assert "listening on" in ready, ready
+        cls.address = ready.split()[-1]
+        cls.client = RemeshClient(cls.address)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.server.send_signal(signal.SIGTERM)
+        cls.server.communicate(timeout=30)
+
+    def test_gives_the_mesh_that_the_program_gives(self):
+        positions, triangles = torus(48, 24)
+        seen = []
+        result = self.client.remesh_mesh(positions, triangles, options={"rho": 0.6}, on_progress=lambda *at: seen.append(at))
+        self.assertTrue(result.complete)
+        self.assertTrue(is_closed(result.triangles))
+        self.assertEqual(len(result.positions) // 3 - len(result.triangles) // 6, 0, "V - F/2 of a torus")
+        self.assertEqual(seen[-1][0], len(result.triangles) // 3)
+        self.assertGreater(seen[-1][1], 0)
+        with tempfile.TemporaryDirectory() as folder:
+            source, out = pathlib.Path(folder, "in.off"), pathlib.Path(folder, "out.off")
+            meshfront_client.write_off(source, meshfront_client.Result(positions, triangles, None, []))
+            subprocess.run([MESHFRONT, "remesh", source, out, "--rho", "0.6", "--quiet"], check=True)
+            by_program = out.read_text().split()
+            by_file = self.client.remesh_file("in.off", source.read_bytes(), options={"rho": 0.6})
+        counts = [int(n) for n in by_program[1:4]]
+        self.assertEqual(counts[:2], [len(result.positions) // 3, len(result.triangles) // 3])
+        self.assertEqual([float(x) for x in by_program[4:4 + len(result.positions)]], list(result.positions))
+        self.assertEqual((by_file.positions, by_file.triangles), (result.positions, result.triangles))
+
+    def test_meshes_points(self):
+        positions, _ = torus(90, 60)
+        normals = array.array("d")
+        for i in range(0, len(positions), 3):
+            x, y, z = positions[i:i + 3]
+            ring = math.hypot(x, y)
+            normals.extend((x - x / ring, y - y / ring, z))
+        result = self.client.remesh_points(positions, normals)
+        self.assertTrue(result.complete)
+        self.assertTrue(is_closed(result.triangles))
+        with self.assertRaises(ValueError):
+            self.client.remesh_points(positions, normals[3:])
+
+    def test_says_what_the_server_refuses(self):
+        positions, triangles = torus(8, 6)
+        with self.assertRaises(RemeshError) as refused:
+            self.client.remesh_mesh(positions, triangles, options={"rho": 9.0})
+        self.assertEqual(refused.exception.code, grpc.StatusCode.INVALID_ARGUMENT)
+        self.assertIn("rho", refused.exception.message)
+        triangles[0] = 1000
+        with self.assertRaises(RemeshError) as refused:
+            self.client.remesh_mesh(positions, triangles)
+        self.assertEqual(refused.exception.code, grpc.StatusCode.INVALID_ARGUMENT)
+        with self.assertRaises(ValueError):
+            self.client.remesh_mesh(positions[1:], triangles)
+
+    def test_ends_at_its_deadline(self):
+        positions, triangles = torus(48, 24)
+        with self.assertRaises(RemeshError) as late:
+            self.client.remesh_mesh(positions, triangles, options={"rho": 0.01}, timeout=0.5)
+        self.assertEqual(late.exception.code, grpc.StatusCode.DEADLINE_EXCEEDED)
+
+    def test_an_exception_of_the_caller_ends_the_job(self):
+        positions, triangles = torus(48, 24)
+
+        def stop(*_):
+            raise KeyboardInterrupt
+
+        with self.assertRaises(KeyboardInterrupt):
+            self.client.remesh_mesh(positions, triangles, options={"rho": 0.05}, on_progress=stop)
+        self.assertTrue(self.client.remesh_mesh(positions, triangles).complete, "the server goes on")
+
+    def test_says_that_there_is_no_server(self):
+        with self.assertRaises(RemeshError) as gone:
+            RemeshClient("127.0.0.1:1").capabilities(timeout=5)
+        self.assertEqual(gone.exception.code, grpc.StatusCode.UNAVAILABLE)
+        self.assertIn("rho", " ".join(self.client.capabilities(timeout=30).supported_options))
+
+    def test_is_a_program_too(self):
+        program = meshfront_client.__file__
+        with tempfile.TemporaryDirectory() as folder:
+            source, out = pathlib.Path(folder, "in.off"), pathlib.Path(folder, "out.off")
+            meshfront_client.write_off(source, meshfront_client.Result(*torus(24, 12), None, []))
+            done = subprocess.run([sys.executable, program, self.address, source, out, "--target-triangles", "2000"],
+                                  capture_output=True, text=True, check=False)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            self.assertAlmostEqual(int(done.stdout.split()[0]) / 2000, 1, delta=0.05)
+            before = out.read_bytes()
+            refused = subprocess.run([sys.executable, program, self.address, source, out, "--rho", "9"], capture_output=True, text=True,
+                                     check=False)
+            self.assertEqual(refused.returncode, 1)
+            self.assertIn("rho", refused.stderr)
+            self.assertEqual(out.read_bytes(), before, "what was there stays")
+
+
+class Damage(unittest.TestCase):
+    def test_is_seen(self):
+        chunk = meshfront_client.mesh_pb2.Chunk(vertex_count=1, positions=bytes(24))
+        chunk.crc32c = meshfront_client.crc32c(chunk.positions)
+        meshfront_client._check(chunk, 0, 0)
+        for field, value in (("crc32c", 1), ("sequence", 1), ("first_vertex", 1), ("vertex_count", 2), ("indices", bytes(12))):
+            damaged = meshfront_client.mesh_pb2.Chunk()
+            damaged.CopyFrom(chunk)
+            setattr(damaged, field, value)
+            with self.assertRaises(meshfront_client.DamagedError, msg=field):
+                meshfront_client._check(damaged, 0, 0)
+        with self.assertRaises(meshfront_client.DamagedError):
+            meshfront_client._collect([], None)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1] + sys.argv[3:])
