@@ -19,6 +19,7 @@
 #include "core/features/attribute_seams.h"
 #include "core/features/boundary.h"
 #include "core/features/creases.h"
+#include "core/features/line_clipping.h"
 #include "core/features/line_insertion.h"
 #include "core/features/seams.h"
 #include "core/field_builder.h"
@@ -96,14 +97,39 @@ absl::StatusOr<std::vector<bool>> MendAndFindCreases(TriangleMesh& mesh, FaceAdj
   return FindCreases(mesh, adjacency, angle, context);
 }
 
-// Behind the mending of slivers, which would turn the edges of lines.
-absl::Status InsertFeatures(Polylines features, TriangleMesh& mesh, FaceAdjacency& adjacency,
-                            std::vector<bool>& creases, Preparation& p, const Context& context) {
+// Where only a region is meshed: its part of the lines. Says which of them are not in force.
+LineLimits ClipToRegion(const TriangleMesh& around, const std::vector<bool>& beside, Polylines& features,
+                        Preparation& p) {
+  LineLimits limits{p.input.diagonal * p.scale, beside, {}};
+  std::vector<bool> chosen = beside;
+  chosen.flip();
+  ClippedLines clipped = ClipPolylines(features, around, chosen, limits.diagonal);
+  p.parameters.feature_segments = 0;
+  for (size_t i = 0; i < clipped.origins.size(); ++i)
+    p.parameters.feature_segments += i == 0 || clipped.origins[i] != clipped.origins[i - 1];
+  if (!clipped.cut.empty()) {
+    const Vec3 first = features.points[features.segments[clipped.cut.front()][0]] / p.scale;
+    p.warnings.push_back(absl::StrCat(clipped.cut.size(), " of ", features.segments.size(),
+                                      " segments of options.features lie, wholly or in part, outside of "
+                                      "options.region or on faces at its border, and are not in force there; the "
+                                      "first, segments[",
+                                      clipped.cut.front(), "], begins at ", first.x, ", ", first.y, ", ", first.z));
+  }
+  features = std::move(clipped.lines);
+  limits.origins = std::move(clipped.origins);
+  return limits;
+}
+
+// Behind the mending of slivers, which would turn the edges of lines. `beside`: faces outside of the region.
+absl::Status InsertFeatures(Polylines features, const std::vector<bool>& beside, TriangleMesh& mesh,
+                            FaceAdjacency& adjacency, std::vector<bool>& creases, Preparation& p,
+                            const Context& context) {
   if (features.segments.empty()) return absl::OkStatus();
   p.parameters.feature_segments = features.segments.size();
   for (Vec3& point : features.points) point *= p.scale;
+  const LineLimits limits = p.region ? ClipToRegion(mesh, beside, features, p) : LineLimits();
   MESHFRONT_ASSIGN_OR_RETURN(const InsertedLines inserted,
-                             InsertPolylines(features, mesh, adjacency, creases, context));
+                             InsertPolylines(features, mesh, adjacency, creases, context, limits));
   if (inserted.split_faces > 0) p.input.repairs.push_back({"split_faces_along_features", inserted.split_faces});
   if (inserted.moved_points > 0) p.input.repairs.push_back({"moved_feature_points", inserted.moved_points});
   return absl::OkStatus();
@@ -118,14 +144,15 @@ absl::StatusOr<std::unique_ptr<MeshSurface>> MakeSurface(TriangleMesh mesh, std:
   if (!adjacency) adjacency = FindOrientedAdjacency(mesh);
   if (!adjacency) return absl::InvalidArgumentError("the mesh is not an oriented manifold; repair it first");
   const double reach = SliverReach(options, p.input.diagonal * p.scale, p.scale);
-  const std::vector<bool> kept = p.region ? FacesBesideRegion(mesh, *p.region) : std::vector<bool>();
+  std::vector<bool> kept = p.region ? FacesBesideRegion(mesh, *p.region) : std::vector<bool>();
   const size_t repairs = p.input.repairs.size();
   std::vector<bool> creases(3 * mesh.triangles.size());
   if (options.crease_angle) {
     MESHFRONT_ASSIGN_OR_RETURN(creases,
                                MendAndFindCreases(mesh, *adjacency, options, reach, kept, p.input.repairs, context));
   }
-  MESHFRONT_RETURN_IF_ERROR(InsertFeatures(std::move(features), mesh, *adjacency, creases, p, context));
+  if (p.region) kept = FacesBesideRegion(mesh, *p.region);  // mending drops faces
+  MESHFRONT_RETURN_IF_ERROR(InsertFeatures(std::move(features), kept, mesh, *adjacency, creases, p, context));
   if (!mesh.attributes.empty()) p.has_flat_normals = MarkAttributeSeams(mesh, *adjacency, creases);
   if (!p.input.repairs.empty()) MarkSeams(mesh, *adjacency, creases);
   const bool is_mended = p.input.repairs.size() > repairs;
@@ -372,8 +399,6 @@ absl::Status SetLoops(Preparation& p, const Context& context) {
 
 absl::Status CheckFeatures(const Problem& problem) {
   if (problem.features.segments.empty()) return absl::OkStatus();
-  if (problem.region)
-    return absl::InvalidArgumentError("options.features is set beside options.region; they exclude one another");
   if (!problem.prepared && IsMeshedAsPoints(problem))
     return absl::InvalidArgumentError("options.features is set; it needs a mesh, and this is a point set");
   return ValidatePolylines(problem.features);
