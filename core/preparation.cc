@@ -259,7 +259,8 @@ RegionReport ReportEverything(const Region& region, const PreparedInput& input) 
 }
 
 // The mesh is what surrounds the region from here on. Not where that is all of the mesh: p.everything is set then.
-absl::Status ChooseRegion(const Region& region, std::shared_ptr<const PreparedInput> input, TriangleMesh& mesh,
+absl::Status ChooseRegion(const Region& region, const std::vector<bool>& left,
+                          std::shared_ptr<const PreparedInput> input, TriangleMesh& mesh,
                           std::optional<FaceAdjacency>& adjacency, Preparation& p) {
   p.input.topology = input->topology();
   p.input.repairs = input->repairs();
@@ -267,6 +268,7 @@ absl::Status ChooseRegion(const Region& region, std::shared_ptr<const PreparedIn
   p.scale = ScaleFor(p.input.diagonal);
   auto parts = std::make_unique<RegionParts>();
   MESHFRONT_ASSIGN_OR_RETURN(parts->chosen_faces, SelectFaces(input->mesh(), region, input->input_triangles()));
+  std::erase_if(parts->chosen_faces, [&](uint32_t f) { return f < left.size() && left[f]; });
   parts->report.replaced_triangles = parts->chosen_faces.size();
   parts->report.kept_triangles = input->mesh().triangles.size() - parts->chosen_faces.size();
   if (parts->report.kept_triangles == 0) {
@@ -300,13 +302,13 @@ absl::StatusOr<std::shared_ptr<const PreparedInput>> PreparedInputOf(Problem& pr
 }
 
 // Repairs the problem's mesh, measures and scales it, or the part of it that the region needs.
-absl::Status MendAndChoose(Problem& problem, Preparation& p, std::optional<FaceAdjacency>& adjacency,
-                           const Context& context) {
+absl::Status MendAndChoose(Problem& problem, const std::vector<bool>& left, Preparation& p,
+                           std::optional<FaceAdjacency>& adjacency, const Context& context) {
   TriangleMesh& mesh = problem.mesh;
   if (problem.region) {
     MESHFRONT_RETURN_IF_ERROR(ValidateRegion(*problem.region));
     MESHFRONT_ASSIGN_OR_RETURN(problem.prepared, PreparedInputOf(problem, context));
-    MESHFRONT_RETURN_IF_ERROR(ChooseRegion(*problem.region, problem.prepared, mesh, adjacency, p));
+    MESHFRONT_RETURN_IF_ERROR(ChooseRegion(*problem.region, left, problem.prepared, mesh, adjacency, p));
   }
   if (!p.region) {  // also where all of the mesh was asked for
     if (problem.prepared) mesh = problem.prepared->Input();
@@ -406,7 +408,7 @@ absl::Status CheckFeatures(const Problem& problem) {
 
 }  // namespace
 
-absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {
+absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context, const std::vector<bool>& left) {
   MESHFRONT_RETURN_IF_ERROR(ValidateOptions(problem.options));
   const bool needs_mesh =
       !problem.region || problem.options.surface == SurfaceKind::kMls || problem.options.surface == SurfaceKind::kImls;
@@ -429,7 +431,7 @@ absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {
   MESHFRONT_RETURN_IF_ERROR(ValidateAttributes(problem.mesh.attributes, problem.mesh.triangles.size()));
   context.Report({Stage::kRepair});
   std::optional<FaceAdjacency> adjacency;  // where the repair has it
-  MESHFRONT_RETURN_IF_ERROR(MendAndChoose(problem, p, adjacency, context));
+  MESHFRONT_RETURN_IF_ERROR(MendAndChoose(problem, left, p, adjacency, context));
   p.seconds.repair = watch.Lap();
 
   context.Report({Stage::kIndex});
