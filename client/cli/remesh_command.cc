@@ -312,7 +312,10 @@ class RemeshCommand {
     }
   }
 
-  CalledWith called_with() const { return {arguments_.in, arguments_.call.server, timeout_}; }
+  CalledWith called_with() const {
+    const std::string& session = arguments_.session;
+    return {session.empty() ? arguments_.in : absl::StrCat("session ", session), arguments_.call.server, timeout_};
+  }
 
   // An older server may call an empty mesh a result; what it says of a partial one may be wrong.
   static absl::Status LookAtPart(const ChunkSpool& spool, v1::Summary& summary) {
