@@ -61,6 +61,9 @@ constexpr double kMostWorkForFiner = 1e7;
 // Faults beyond which the ground is no place to be mended but a heap of faces, each attempt takes longer than the one before, and none
 // is better (2CylinderEngine: 2,880 faults, then minutes).
 constexpr size_t kMostFaults = 1000;
+// Of a region, whose faces around faults may also stay as they are: triangles of all attempts beyond which none follows one that has hardly
+// fewer faults.
+constexpr uint64_t kMostTriedOfRegion = 50000;
 constexpr int kFinerAttempts = 3;  // before faces are cut loose; none on rough ground
 // How far around faults faces are cut loose, in parts of g; twice as far each time.
 constexpr double kLooseReach = 3;
@@ -339,6 +342,10 @@ class Remedy {
   int in_vain_ = 0;     // wider supports that hardly made it better
 };
 
+bool IsInVain(const Attempt& attempt, const Attempt& best) {
+  return static_cast<double>(attempt.fault_count()) > kWorthGoingOn * static_cast<double>(best.fault_count());
+}
+
 }  // namespace
 
 std::vector<Vec3> Attempt::Faults() const {
@@ -381,18 +388,23 @@ absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& p, MeshSink& sink, const 
   const uint64_t wanted = p.parameters.target_triangles;
   Attempt best;
   Remedy remedy(p);
+  uint64_t tried = 0;  // triangles
   for (int number = 1;; ++number) {
     MESHFRONT_ASSIGN_OR_RETURN(Attempt attempt, MakeAttempt(p, is_rough || p.region || number > 1,
                                                             is_rough && remedy.may_keep_creases(), held, context));
     attempt.keeps_creases = remedy.keeps_creases();
     if (held.is_passing()) return attempt;
+    tried += attempt.front.triangles;
     held.HoldAll();  // the next may be larger, and worse: at most what max_triangles allows
     const bool is_off = CountErrorOf(attempt, wanted) > kCountPromise;
     const bool is_good = attempt.fault_count() == 0 && (!is_off || number >= kMaxForCount);
     bool goes_on =
         !is_good && (attempt.front.triangles > 0 || p.points) && number < (p.points ? kMaxForPoints : kMaxAttempts);
+    const double work = static_cast<double>(attempt.front.roll_backs) * static_cast<double>(attempt.front.triangles);
+    if (p.region && attempt.fault_count() > 0 &&
+        (work > kMostWorkForFiner || (number > 1 && tried > kMostTriedOfRegion && IsInVain(attempt, best))))
+      goes_on = false;
     if (goes_on) {
-      const double work = static_cast<double>(attempt.front.roll_backs) * static_cast<double>(attempt.front.triangles);
       MESHFRONT_ASSIGN_OR_RETURN(goes_on, remedy.Apply(attempt, attempt.Faults(), is_rough || work > kMostWorkForFiner,
                                                        NextCount(p, attempt, wanted), p, context));
     }

@@ -57,7 +57,8 @@ bool HasOtherTopology(const TopologyReport& output, const TopologyReport& input)
 // input's faces cut loose around the faults (loose_faces.h), unless a shortest edge is asked for; and up to three times for as many more or
 // fewer triangles as came too few or too many when a number was wanted (off by more than 3 %). The attempt with the fewest faults goes on,
 // of equals the one nearest to the count; components that are wrong in it are the input's own faces (own_faces.h), unless a shortest edge
-// or a region is asked for. Of point sets all are held that fit; they are made again at most five times: with shorter edges once, with
+// or a region is asked for. Of a region there are no more attempts once the front was taken back all over, or 50,000 triangles were made
+// in vain: its faces may stay as they are (region_faults.h). Of point sets all are held that fit; they are made again at most five times: with shorter edges once, with
 // wider supports around faults twice, and with wider ones everywhere, at once where the front folded over itself (FrontReport::ran_away),
 // until two in a row have hardly fewer faults. Progress begins anew with each. Changes the preparation.
 absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& preparation, MeshSink& sink, const Context& context);

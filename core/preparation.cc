@@ -19,6 +19,7 @@
 #include "core/features/attribute_seams.h"
 #include "core/features/boundary.h"
 #include "core/features/creases.h"
+#include "core/features/line_clipping.h"
 #include "core/features/line_insertion.h"
 #include "core/features/seams.h"
 #include "core/field_builder.h"
@@ -96,14 +97,39 @@ absl::StatusOr<std::vector<bool>> MendAndFindCreases(TriangleMesh& mesh, FaceAdj
   return FindCreases(mesh, adjacency, angle, context);
 }
 
-// Behind the mending of slivers, which would turn the edges of lines.
-absl::Status InsertFeatures(Polylines features, TriangleMesh& mesh, FaceAdjacency& adjacency,
-                            std::vector<bool>& creases, Preparation& p, const Context& context) {
+// Where only a region is meshed: its part of the lines. Says which of them are not in force.
+LineLimits ClipToRegion(const TriangleMesh& around, const std::vector<bool>& beside, Polylines& features,
+                        Preparation& p) {
+  LineLimits limits{p.input.diagonal * p.scale, beside, {}};
+  std::vector<bool> chosen = beside;
+  chosen.flip();
+  ClippedLines clipped = ClipPolylines(features, around, chosen, limits.diagonal);
+  p.parameters.feature_segments = 0;
+  for (size_t i = 0; i < clipped.origins.size(); ++i)
+    p.parameters.feature_segments += i == 0 || clipped.origins[i] != clipped.origins[i - 1];
+  if (!clipped.cut.empty()) {
+    const Vec3 first = features.points[features.segments[clipped.cut.front()][0]] / p.scale;
+    p.warnings.push_back(absl::StrCat(clipped.cut.size(), " of ", features.segments.size(),
+                                      " segments of options.features lie, wholly or in part, outside of "
+                                      "options.region or on faces at its border, and are not in force there; the "
+                                      "first, segments[",
+                                      clipped.cut.front(), "], begins at ", first.x, ", ", first.y, ", ", first.z));
+  }
+  features = std::move(clipped.lines);
+  limits.origins = std::move(clipped.origins);
+  return limits;
+}
+
+// Behind the mending of slivers, which would turn the edges of lines. `beside`: faces outside of the region.
+absl::Status InsertFeatures(Polylines features, const std::vector<bool>& beside, TriangleMesh& mesh,
+                            FaceAdjacency& adjacency, std::vector<bool>& creases, Preparation& p,
+                            const Context& context) {
   if (features.segments.empty()) return absl::OkStatus();
   p.parameters.feature_segments = features.segments.size();
   for (Vec3& point : features.points) point *= p.scale;
+  const LineLimits limits = p.region ? ClipToRegion(mesh, beside, features, p) : LineLimits();
   MESHFRONT_ASSIGN_OR_RETURN(const InsertedLines inserted,
-                             InsertPolylines(features, mesh, adjacency, creases, context));
+                             InsertPolylines(features, mesh, adjacency, creases, context, limits));
   if (inserted.split_faces > 0) p.input.repairs.push_back({"split_faces_along_features", inserted.split_faces});
   if (inserted.moved_points > 0) p.input.repairs.push_back({"moved_feature_points", inserted.moved_points});
   return absl::OkStatus();
@@ -118,14 +144,15 @@ absl::StatusOr<std::unique_ptr<MeshSurface>> MakeSurface(TriangleMesh mesh, std:
   if (!adjacency) adjacency = FindOrientedAdjacency(mesh);
   if (!adjacency) return absl::InvalidArgumentError("the mesh is not an oriented manifold; repair it first");
   const double reach = SliverReach(options, p.input.diagonal * p.scale, p.scale);
-  const std::vector<bool> kept = p.region ? FacesBesideRegion(mesh, *p.region) : std::vector<bool>();
+  std::vector<bool> kept = p.region ? FacesBesideRegion(mesh, *p.region) : std::vector<bool>();
   const size_t repairs = p.input.repairs.size();
   std::vector<bool> creases(3 * mesh.triangles.size());
   if (options.crease_angle) {
     MESHFRONT_ASSIGN_OR_RETURN(creases,
                                MendAndFindCreases(mesh, *adjacency, options, reach, kept, p.input.repairs, context));
   }
-  MESHFRONT_RETURN_IF_ERROR(InsertFeatures(std::move(features), mesh, *adjacency, creases, p, context));
+  if (p.region) kept = FacesBesideRegion(mesh, *p.region);  // mending drops faces
+  MESHFRONT_RETURN_IF_ERROR(InsertFeatures(std::move(features), kept, mesh, *adjacency, creases, p, context));
   if (!mesh.attributes.empty()) p.has_flat_normals = MarkAttributeSeams(mesh, *adjacency, creases);
   if (!p.input.repairs.empty()) MarkSeams(mesh, *adjacency, creases);
   const bool is_mended = p.input.repairs.size() > repairs;
@@ -232,7 +259,8 @@ RegionReport ReportEverything(const Region& region, const PreparedInput& input) 
 }
 
 // The mesh is what surrounds the region from here on. Not where that is all of the mesh: p.everything is set then.
-absl::Status ChooseRegion(const Region& region, std::shared_ptr<const PreparedInput> input, TriangleMesh& mesh,
+absl::Status ChooseRegion(const Region& region, const std::vector<bool>& left,
+                          std::shared_ptr<const PreparedInput> input, TriangleMesh& mesh,
                           std::optional<FaceAdjacency>& adjacency, Preparation& p) {
   p.input.topology = input->topology();
   p.input.repairs = input->repairs();
@@ -240,6 +268,7 @@ absl::Status ChooseRegion(const Region& region, std::shared_ptr<const PreparedIn
   p.scale = ScaleFor(p.input.diagonal);
   auto parts = std::make_unique<RegionParts>();
   MESHFRONT_ASSIGN_OR_RETURN(parts->chosen_faces, SelectFaces(input->mesh(), region, input->input_triangles()));
+  std::erase_if(parts->chosen_faces, [&](uint32_t f) { return f < left.size() && left[f]; });
   parts->report.replaced_triangles = parts->chosen_faces.size();
   parts->report.kept_triangles = input->mesh().triangles.size() - parts->chosen_faces.size();
   if (parts->report.kept_triangles == 0) {
@@ -273,13 +302,13 @@ absl::StatusOr<std::shared_ptr<const PreparedInput>> PreparedInputOf(Problem& pr
 }
 
 // Repairs the problem's mesh, measures and scales it, or the part of it that the region needs.
-absl::Status MendAndChoose(Problem& problem, Preparation& p, std::optional<FaceAdjacency>& adjacency,
-                           const Context& context) {
+absl::Status MendAndChoose(Problem& problem, const std::vector<bool>& left, Preparation& p,
+                           std::optional<FaceAdjacency>& adjacency, const Context& context) {
   TriangleMesh& mesh = problem.mesh;
   if (problem.region) {
     MESHFRONT_RETURN_IF_ERROR(ValidateRegion(*problem.region));
     MESHFRONT_ASSIGN_OR_RETURN(problem.prepared, PreparedInputOf(problem, context));
-    MESHFRONT_RETURN_IF_ERROR(ChooseRegion(*problem.region, problem.prepared, mesh, adjacency, p));
+    MESHFRONT_RETURN_IF_ERROR(ChooseRegion(*problem.region, left, problem.prepared, mesh, adjacency, p));
   }
   if (!p.region) {  // also where all of the mesh was asked for
     if (problem.prepared) mesh = problem.prepared->Input();
@@ -372,8 +401,6 @@ absl::Status SetLoops(Preparation& p, const Context& context) {
 
 absl::Status CheckFeatures(const Problem& problem) {
   if (problem.features.segments.empty()) return absl::OkStatus();
-  if (problem.region)
-    return absl::InvalidArgumentError("options.features is set beside options.region; they exclude one another");
   if (!problem.prepared && IsMeshedAsPoints(problem))
     return absl::InvalidArgumentError("options.features is set; it needs a mesh, and this is a point set");
   return ValidatePolylines(problem.features);
@@ -381,7 +408,7 @@ absl::Status CheckFeatures(const Problem& problem) {
 
 }  // namespace
 
-absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {
+absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context, const std::vector<bool>& left) {
   MESHFRONT_RETURN_IF_ERROR(ValidateOptions(problem.options));
   const bool needs_mesh =
       !problem.region || problem.options.surface == SurfaceKind::kMls || problem.options.surface == SurfaceKind::kImls;
@@ -404,7 +431,7 @@ absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context) {
   MESHFRONT_RETURN_IF_ERROR(ValidateAttributes(problem.mesh.attributes, problem.mesh.triangles.size()));
   context.Report({Stage::kRepair});
   std::optional<FaceAdjacency> adjacency;  // where the repair has it
-  MESHFRONT_RETURN_IF_ERROR(MendAndChoose(problem, p, adjacency, context));
+  MESHFRONT_RETURN_IF_ERROR(MendAndChoose(problem, left, p, adjacency, context));
   p.seconds.repair = watch.Lap();
 
   context.Report({Stage::kIndex});

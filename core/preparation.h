@@ -55,8 +55,9 @@ struct Preparation {
 // bounded by what it is; where the error is held constant, that.
 double ErrorBoundInForce(const Preparation& preparation, double length, double max_curvature);
 
-// The stages up to the first triangle. Same errors as Remesh.
-absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context);
+// The stages up to the first triangle. Same errors as Remesh. `left`: faces of a region's whole mesh, as it is after repair, that are not in
+// the region though its shape has them, one flag each; none: no such faces.
+absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context, const std::vector<bool>& left = {});
 
 // The surface of a point set with supports that are wider by `factor` around places, or everywhere where there are none (MlsSamples),
 // with its field and initial fronts. False: they are as wide as they may be.

@@ -1,4 +1,5 @@
-// A part of a mesh that is remeshed alone (sec. 4.1): the faces with all three vertices in it. The rest comes back as it was.
+// A part of a mesh that is remeshed alone (sec. 4.1): the faces with all three vertices in it. The rest comes back as it was, as do faces
+// around which no mesh comes out right: those are no part of the region then, and a warning counts them.
 #pragma once
 
 #include <cstdint>

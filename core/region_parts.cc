@@ -116,7 +116,9 @@ void NameSurroundings(TriangleMesh& around, double scale, RegionParts& parts) {
     for (int k = 0; k < 3 && is_same; ++k) parts.around_vertices[t[k].index()] = original[k].index();
     parts.around_chosen.push_back(parts.chosen[f]);
     parts.diagonals.push_back(parts.input->ComponentDiagonalAt(f));
-    if (parts.chosen[f]) parts.region_faces.push_back(is_same ? f : kNoFace);
+    if (!parts.chosen[f]) continue;
+    parts.region_faces.push_back(is_same ? f : kNoFace);
+    parts.region_origins.push_back(f);
   }
   around.face_origins = {};
 }

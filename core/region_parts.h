@@ -30,8 +30,9 @@ struct RegionParts {
   std::vector<uint32_t>
       around_vertices;              // of each vertex of the surroundings that one of the whole, where the rest uses it
   std::vector<bool> around_chosen;  // of each face, whether it is in the region
-  std::vector<uint32_t> region_faces;   // of each of these that of the whole; kNoFace: mending changed it
-  std::shared_ptr<MeshSurface> around;  // their surface, in the scale of the region's
+  std::vector<uint32_t> region_faces;    // of each of these that of the whole; kNoFace: mending changed it
+  std::vector<uint32_t> region_origins;  // … and the one that it is, or that it was made of
+  std::shared_ptr<MeshSurface> around;   // their surface, in the scale of the region's
   std::optional<RegionBlend> blend;
   std::vector<double> diagonals;  // of the component of each face of the surroundings, at the input's scale
   uint64_t changed_outside = 0,

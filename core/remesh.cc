@@ -18,6 +18,7 @@
 #include "core/guidance/prediction.h"
 #include "core/guidance/sizing.h"
 #include "core/preparation.h"
+#include "core/region_faults.h"
 #include "core/region_sink.h"
 
 namespace meshfront {
@@ -277,19 +278,25 @@ absl::Status ValidateOptions(const RemeshOptions& o) {
 
 namespace {
 
-// From a preparation to the report, `start` being when it began.
-absl::StatusOr<Report> RemeshPrepared(Preparation& p, MeshSink& sink, Clock::time_point start, const Context& context) {
+// From a preparation to the report, `start` being when it began. Nothing, and nothing was handed on: more faces of the region are `left`
+// as they are, and the rest of it is to be tried again.
+absl::StatusOr<std::optional<Report>> RemeshPrepared(Preparation& p, MeshSink& sink, Clock::time_point start,
+                                                     LeftFaces* left, const Context& context) {
   const double prepared = SecondsSince(start);
   const std::vector<uint32_t> border = p.region ? BorderOf(*p.region, *p.surface) : std::vector<uint32_t>();
   std::optional<RegionSink> joined;
   if (p.region) joined.emplace(sink, border, *p.region);
   OutgoingSink outgoing(joined ? *joined : sink, p, start);
   const auto predicted = static_cast<uint64_t>(std::min(p.predicted_triangles, 1e18));
+  HoldingSink kept(outgoing, joined ? std::numeric_limits<uint64_t>::max() : 0);
+  MESHFRONT_ASSIGN_OR_RETURN(const Attempt attempt,
+                             AdvanceInAttempts(p, joined ? static_cast<MeshSink&>(kept) : outgoing, context));
   if (joined) {
+    if (left != nullptr && LeaveFaultyFaces(p, attempt, *left)) return std::nullopt;
     if (!p.region->patch_only) outgoing.NoteChunk();
     MESHFRONT_RETURN_IF_ERROR(joined->SendRest());
+    MESHFRONT_RETURN_IF_ERROR(kept.Release());
   }
-  MESHFRONT_ASSIGN_OR_RETURN(const Attempt attempt, AdvanceInAttempts(p, outgoing, context));
   p.parameters = attempt.parameters;
   p.parameter = attempt.parameter;
   if (p.points) p.input.topology = attempt.points;
@@ -330,14 +337,41 @@ absl::StatusOr<Report> RemeshPrepared(Preparation& p, MeshSink& sink, Clock::tim
   return report;
 }
 
+void WarnOfLeftFaces(const LeftFaces& left, Report& report) {
+  if (left.count == 0) return;
+  const uint64_t chosen = left.count + report.region->replaced_triangles;
+  report.warnings.push_back(absl::StrCat(left.count, " of ", chosen,
+                                         " faces of options.region stay as they are, since no ",
+                                         "mesh of them came out whole and without self-intersection; the first is at ",
+                                         left.first.x, ", ", left.first.y, ", ", left.first.z));
+}
+
+// In rounds, each of a smaller region where the one before has faults. What comes before the surroundings is made once.
+absl::StatusOr<Report> RemeshRegion(Problem problem, MeshSink& sink, Clock::time_point start, const Context& context) {
+  const Problem again{{}, problem.options, problem.region, nullptr, problem.features};
+  LeftFaces left;
+  for (;;) {
+    MESHFRONT_ASSIGN_OR_RETURN(Preparation p, Prepare(std::move(problem), context, left.is_left));
+    MESHFRONT_ASSIGN_OR_RETURN(std::optional<Report> report, RemeshPrepared(p, sink, start, &left, context));
+    if (report) {
+      WarnOfLeftFaces(left, *report);
+      return *std::move(report);
+    }
+    problem = again;
+    problem.prepared = p.region->input;
+  }
+}
+
 }  // namespace
 
 absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& context) try {
   const Clock::time_point start = Clock::now();
   if (!problem.options.lod_rhos.empty())
     return absl::InvalidArgumentError("options.lod_rhos is set; levels of detail are what RemeshLevels makes");
+  if (problem.region) return RemeshRegion(std::move(problem), sink, start, context);
   MESHFRONT_ASSIGN_OR_RETURN(Preparation p, Prepare(std::move(problem), context));
-  return RemeshPrepared(p, sink, start, context);
+  MESHFRONT_ASSIGN_OR_RETURN(std::optional<Report> report, RemeshPrepared(p, sink, start, nullptr, context));
+  return *std::move(report);
 } catch (const std::exception&) {
   return StatusOfException();
 }
@@ -353,8 +387,9 @@ absl::Status RemeshLevels(Problem problem, LevelSink& sink, const Context& conte
       start = Clock::now();
       MESHFRONT_RETURN_IF_ERROR(first.Prepare(rhos[level], p, context));
     }
-    MESHFRONT_ASSIGN_OR_RETURN(const Report report, RemeshPrepared(p, sink.BeginLevel(), start, context));
-    MESHFRONT_RETURN_IF_ERROR(sink.EndLevel(report));
+    MESHFRONT_ASSIGN_OR_RETURN(const std::optional<Report> report,
+                               RemeshPrepared(p, sink.BeginLevel(), start, nullptr, context));
+    MESHFRONT_RETURN_IF_ERROR(sink.EndLevel(*report));
   }
   return absl::OkStatus();
 } catch (const std::exception&) {

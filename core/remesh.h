@@ -90,8 +90,8 @@ struct Problem {
   std::optional<Region> region;
   // In place of the mesh: what regions of it begin with (prepared_input.h). Without a region, the whole of it.
   std::shared_ptr<const PreparedInput> prepared = nullptr;
-  // Lines to be kept like creases, whatever crease_angle is: the surface's faces are split along them (features/line_insertion.h). Not with a
-  // region, nor for point sets.
+  // Lines to be kept like creases, whatever crease_angle is: the surface's faces are split along them (features/line_insertion.h). Of a
+  // region what lies on faces away from its border, with a warning that says which segments do not. Not for point sets.
   Polylines features;
 };
 

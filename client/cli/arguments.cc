@@ -223,7 +223,6 @@ absl::Status CheckSizingFlags(const MeshingFlags& flags, v1::Sizing sizing) {
 }
 
 absl::Status CheckBuilt(const MeshingFlags& flags) {
-  if (flags.features && flags.region) return Contradiction("--features", "--region");
   if (!flags.seed_points.empty()) return NotYet("--seed-point");
   if (flags.region && (flags.surface == "mls" || flags.surface == "imls"))
     return NotYet(absl::StrCat("--region with --surface ", *flags.surface));

@@ -28,7 +28,7 @@ void PrintContents(const std::string& path, const ReadResult& read) {
                                  box.Diagonal());
   }
   std::vector<std::string> attributes = mesh.dropped_attributes;
-  for (const AttributeChannel& channel : mesh.attributes.channels) attributes.push_back(channel.name);
+  for (std::string& name : NamesForMessage(mesh.attributes.channels)) attributes.push_back(std::move(name));
   if (!attributes.empty()) std::cout << "attributes  " << absl::StrJoin(attributes, ", ") << "\n";
 }
 

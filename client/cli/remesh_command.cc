@@ -210,7 +210,7 @@ class RemeshCommand {
     const bool wanted = arguments_.meshing.attributes != "drop";
     std::vector<std::string> left_out = input_.dropped_attributes;
     if (wanted && !has_place) {
-      for (const AttributeChannel& c : input_.attributes.channels) left_out.push_back(c.name);
+      for (std::string& name : NamesForMessage(input_.attributes.channels)) left_out.push_back(std::move(name));
       if (!input_.attributes.groups.empty()) left_out.push_back("materials");
       if (asset_.gltf != nullptr) left_out.push_back("nodes, textures, animations and skins of the glTF");
     }
@@ -312,7 +312,10 @@ class RemeshCommand {
     }
   }
 
-  CalledWith called_with() const { return {arguments_.in, arguments_.call.server, timeout_}; }
+  CalledWith called_with() const {
+    const std::string& session = arguments_.session;
+    return {session.empty() ? arguments_.in : absl::StrCat("session ", session), arguments_.call.server, timeout_};
+  }
 
   // An older server may call an empty mesh a result; what it says of a partial one may be wrong.
   static absl::Status LookAtPart(const ChunkSpool& spool, v1::Summary& summary) {

@@ -7,6 +7,9 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <map>
+#include <optional>
+#include <string>
 
 #include "core/features/tolerances.h"
 #include "core/geometry/triangle.h"
@@ -39,6 +42,14 @@ class SeamFinder {
     for (uint32_t h = 0; h < creases_.size(); ++h) {
       const uint32_t across = adjacency_.OppositeOf(h);
       if (across != kNoHalfEdge && across > h) visit(h, across);
+    }
+  }
+  // Each component of each channel, with its place in a wedge.
+  template <class Visit>
+  void VisitChannels(Visit visit) const {
+    uint32_t offset = 0;
+    for (const AttributeChannel& c : attributes_.channels) {
+      for (uint32_t i = 0; i < c.components; ++i) visit(c, offset++);
     }
   }
   void Set(uint32_t h) { creases_[h] = creases_[adjacency_.OppositeOf(h)] = true; }
@@ -74,17 +85,21 @@ void SeamFinder::FindTolerances() {
     for (uint32_t i = 0; i < stride; ++i)
       least[i] = std::min(least[i], values[i]), most[i] = std::max(most[i], values[i]);
   }
-  uint32_t offset = 0;
-  for (const AttributeChannel& c : attributes_.channels) {
-    const AttributeRole role = RoleOfName(c.name);
-    const bool is_compared =
-        role == AttributeRole::kTexcoord || role == AttributeRole::kColour || role == AttributeRole::kCustom;
-    for (uint32_t i = 0; i < c.components; ++i, ++offset) {
-      if (!is_compared) continue;
-      const float relative = kSeamPerRange * (most[offset] - least[offset]);
-      compared_.push_back({offset, role == AttributeRole::kColour ? std::max(relative, kColourSeam) : relative});
-    }
-  }
+  std::map<std::string, float, std::less<>>
+      morph_ranges;  // of all targets' together: what is small to the largest is nothing
+  VisitChannels([&](const AttributeChannel& c, uint32_t i) {
+    const std::optional<MorphName> morph = MorphNameOf(c.name);
+    if (!morph) return;
+    float& range = morph_ranges[std::string(morph->attribute)];
+    range = std::max(range, most[i] - least[i]);
+  });
+  VisitChannels([&](const AttributeChannel& c, uint32_t i) {
+    const std::optional<MorphName> morph = MorphNameOf(c.name);
+    const AttributeRole role = RoleOfName(morph ? morph->attribute : c.name);
+    if (role != AttributeRole::kTexcoord && role != AttributeRole::kColour && role != AttributeRole::kCustom) return;
+    const float relative = kSeamPerRange * (morph ? morph_ranges.find(morph->attribute)->second : most[i] - least[i]);
+    compared_.push_back({i, role == AttributeRole::kColour ? std::max(relative, kColourSeam) : relative});
+  });
 }
 
 bool SeamFinder::Differ(uint32_t w, uint32_t x) const {

@@ -24,8 +24,8 @@ namespace {
 // A mesh whose edges and faces are split one by one.
 class SplitMesh {
  public:
-  SplitMesh(TriangleMesh& mesh, FaceAdjacency& adjacency, std::vector<bool>& creases)
-      : mesh_(mesh), a_(adjacency), creases_(creases), original_faces_(mesh.triangles.size()) {}
+  SplitMesh(TriangleMesh& mesh, FaceAdjacency& adjacency, std::vector<bool>& creases, const std::vector<bool>& fixed)
+      : mesh_(mesh), a_(adjacency), creases_(creases), fixed_(fixed), original_faces_(mesh.triangles.size()) {}
 
   const Vec3& At(uint32_t v) const { return mesh_.positions[v]; }
   uint32_t OriginOf(uint32_t h) const { return mesh_.triangles[h / 3][h % 3].index(); }
@@ -71,6 +71,13 @@ class SplitMesh {
   void Mark(uint32_t h) {
     const uint32_t across = a_.OppositeOf(h);
     if (across != kNoHalfEdge) creases_[h] = creases_[across] = true;
+  }
+
+  // Faces that stay as they are, and sides of such.
+  bool IsFixedFace(uint32_t f) const { return f < fixed_.size() && fixed_[f]; }
+  bool IsFixedSide(uint32_t h) const {
+    const uint32_t across = a_.OppositeOf(h);
+    return IsFixedFace(h / 3) || (across != kNoHalfEdge && IsFixedFace(across / 3));
   }
 
   // The triangles that a face of the input is now.
@@ -185,6 +192,7 @@ class SplitMesh {
   TriangleMesh& mesh_;
   FaceAdjacency& a_;
   std::vector<bool>& creases_;
+  const std::vector<bool>& fixed_;
   const size_t original_faces_;
   std::vector<uint32_t> originals_;  // of added triangles
   absl::flat_hash_map<uint32_t, std::vector<uint32_t>> pieces_;
@@ -192,13 +200,15 @@ class SplitMesh {
 
 class Inserter {
  public:
-  Inserter(const Polylines& lines, TriangleMesh& mesh, FaceAdjacency& adjacency, std::vector<bool>& creases)
+  Inserter(const Polylines& lines, const LineLimits& limits, TriangleMesh& mesh, FaceAdjacency& adjacency,
+           std::vector<bool>& creases)
       : lines_(lines),
+        limits_(limits),
         positions_(mesh.positions),
         triangles_(mesh.triangles),
         tree_(positions_, triangles_),
-        diagonal_(BoundingBox(mesh, adjacency).Diagonal()),
-        mesh_(mesh, adjacency, creases),
+        diagonal_(limits.diagonal > 0 ? limits.diagonal : BoundingBox(mesh, adjacency).Diagonal()),
+        mesh_(mesh, adjacency, creases, limits.fixed),
         vertices_(lines.points.size()) {}
 
   absl::StatusOr<InsertedLines> Run(const Context& context) {
@@ -218,28 +228,34 @@ class Inserter {
   absl::StatusOr<uint32_t> VertexOf(size_t segment, uint32_t point) {
     std::optional<uint32_t>& vertex = vertices_[point];
     if (vertex) return *vertex;
-    const std::optional<ClosestHit> hit = tree_.FindClosestPoint(lines_.points[point], kLineReach * diagonal_);
+    const std::optional<ClosestHit> hit = FindPlace(lines_.points[point]);
     if (!hit) return TooFar(segment, lines_.points[point]);
     if (std::sqrt(hit->squared_distance) > kMovedPoint * diagonal_) ++inserted_.moved_points;
     vertex = InsertAt(*hit);
+    if (!vertex) return CanNotFollow(segment);
     return *vertex;
   }
 
+  std::optional<ClosestHit> FindPlace(const Vec3& p) const {
+    return tree_.FindClosestPoint(p, kLineReach * diagonal_, [&](FaceId f) { return !mesh_.IsFixedFace(f.index()); });
+  }
+
+  size_t NameOf(size_t segment) const { return limits_.origins.empty() ? segment : limits_.origins[segment]; }
   static std::string Place(const Vec3& p) { return absl::StrCat(p.x, ", ", p.y, ", ", p.z); }
   absl::Status TooFar(size_t segment, const Vec3& p) const {
-    return absl::InvalidArgumentError(absl::StrCat("options.features.segments[", segment, "] lies at ", Place(p),
-                                                   "; it must be within ", kLineReach * diagonal_,
+    return absl::InvalidArgumentError(absl::StrCat("options.features.segments[", NameOf(segment), "] lies at ",
+                                                   Place(p), "; it must be within ", kLineReach * diagonal_,
                                                    " of the surface, 1 % of the diagonal"));
   }
   absl::Status CanNotFollow(size_t segment) const {
     const auto& [a, b] = lines_.segments[segment];
     return absl::InvalidArgumentError(
-        absl::StrCat("options.features.segments[", segment, "] runs from ", Place(lines_.points[a]), " to ",
+        absl::StrCat("options.features.segments[", NameOf(segment), "] runs from ", Place(lines_.points[a]), " to ",
                      Place(lines_.points[b]), "; the surface does not go all the way, within 1 % of the diagonal"));
   }
 
-  // The vertex at a place of the input's surface.
-  uint32_t InsertAt(const ClosestHit& hit) {
+  // The vertex at a place of the input's surface; nothing where a fixed side would have to be split.
+  std::optional<uint32_t> InsertAt(const ClosestHit& hit) {
     const Vec3& place = hit.point.position;
     TrianglePoint nearest{};
     uint32_t face = hit.face.index();
@@ -258,7 +274,9 @@ class Inserter {
     for (uint32_t h = 3 * face; h < 3 * face + 3; ++h) {
       const Vec3 &a = mesh_.At(mesh_.OriginOf(h)), &b = mesh_.At(mesh_.TargetOf(h));
       const double t = Dot(place - a, b - a) / SquaredDistance(a, b);
-      if (t > 0 && t < 1 && Distance(a + t * (b - a), place) <= same) return mesh_.SplitEdge(h, t);
+      if (t <= 0 || t >= 1 || Distance(a + t * (b - a), place) > same) continue;
+      if (mesh_.IsFixedSide(h)) return std::nullopt;
+      return mesh_.SplitEdge(h, t);
     }
     return mesh_.SplitFace(face, nearest.weights);
   }
@@ -291,12 +309,10 @@ class Inserter {
   bool Trace(uint32_t from, uint32_t to, int halvings) {
     if (from == to || TraceInPlane(from, to)) return true;
     if (halvings == 0) return false;
-    const std::optional<ClosestHit> hit =
-        tree_.FindClosestPoint(0.5 * (mesh_.At(from) + mesh_.At(to)), kLineReach * diagonal_);
-    if (!hit) return false;
-    const uint32_t middle = InsertAt(*hit);
-    if (middle == from || middle == to) return false;
-    return Trace(from, middle, halvings - 1) && Trace(middle, to, halvings - 1);
+    const std::optional<ClosestHit> hit = FindPlace(0.5 * (mesh_.At(from) + mesh_.At(to)));
+    const std::optional<uint32_t> middle = hit ? InsertAt(*hit) : std::nullopt;
+    if (!middle || *middle == from || *middle == to) return false;
+    return Trace(from, *middle, halvings - 1) && Trace(*middle, to, halvings - 1);
   }
 
   bool TraceInPlane(uint32_t from, uint32_t to) {
@@ -310,8 +326,9 @@ class Inserter {
       uint32_t next = to;
       if (!mesh_.FindEdge(at, to)) {
         const std::optional<Exit> exit = FindExit(at, side, along);
-        if (!exit) return false;
-        next = Leave(*exit, begin, along, reached);
+        const std::optional<uint32_t> left = exit ? Leave(*exit, begin, along, reached) : std::nullopt;
+        if (!left) return false;
+        next = *left;
       }
       const Vec3 offset = mesh_.At(next) - begin;
       const double now = Dot(offset, along);
@@ -326,8 +343,9 @@ class Inserter {
     return true;
   }
 
-  // The vertex where a segment leaves: an end of the edge that is near enough and farther on, or a new one.
-  uint32_t Leave(const Exit& exit, const Vec3& begin, const Vec3& along, double reached) {
+  // The vertex where a segment leaves: an end of the edge that is near enough and farther on, or a new one. Nothing where the
+  // edge is fixed.
+  std::optional<uint32_t> Leave(const Exit& exit, const Vec3& begin, const Vec3& along, double reached) {
     const uint32_t x = mesh_.OriginOf(exit.half_edge), y = mesh_.TargetOf(exit.half_edge);
     const double length = Distance(mesh_.At(x), mesh_.At(y));
     const double snap = std::min(kSnapPerEdge * length, kSnapPerDiagonal * diagonal_);
@@ -335,10 +353,12 @@ class Inserter {
     const double distance = length * std::min(exit.t, 1 - exit.t);
     const bool is_on = Dot(mesh_.At(nearer) - begin, along) > reached;
     if (distance <= 0 || (distance <= snap && is_on)) return nearer;
+    if (mesh_.IsFixedSide(exit.half_edge)) return std::nullopt;
     return mesh_.SplitEdge(exit.half_edge, exit.t);
   }
 
   const Polylines& lines_;
+  const LineLimits& limits_;
   const std::vector<Vec3> positions_;  // of the input
   const std::vector<Triangle> triangles_;
   const TriangleBvh tree_;
@@ -351,8 +371,10 @@ class Inserter {
 }  // namespace
 
 absl::StatusOr<InsertedLines> InsertPolylines(const Polylines& lines, TriangleMesh& mesh, FaceAdjacency& adjacency,
-                                              std::vector<bool>& creases, const Context& context) {
-  MESHFRONT_ASSIGN_OR_RETURN(const InsertedLines inserted, Inserter(lines, mesh, adjacency, creases).Run(context));
+                                              std::vector<bool>& creases, const Context& context,
+                                              const LineLimits& limits) {
+  MESHFRONT_ASSIGN_OR_RETURN(const InsertedLines inserted,
+                             Inserter(lines, limits, mesh, adjacency, creases).Run(context));
   std::optional<FaceAdjacency> again = FindOrientedAdjacency(mesh);
   if (!again) return absl::InternalError("a mesh split along polylines is no oriented manifold; please report it");
   adjacency = *std::move(again);

@@ -133,6 +133,11 @@ inline constexpr double kMovedPoint = 1e-6;
 inline constexpr double kSamePoint = 5e-7;
 inline constexpr double kSnapPerDiagonal = 1e-4;
 inline constexpr double kSnapPerEdge = 0.05;
+// Where lines are clipped to some faces: steps along a segment, in parts of those faces' mean edge; the most steps; and the halvings of a
+// step that tell where a line leaves them.
+inline constexpr double kClipStepPerEdge = 0.5;
+inline constexpr double kMostClipSteps = 1e5;
+inline constexpr int kClipHalvings = 20;
 // Segments are halved so often where the surface bends away from the plane that they lie in.
 inline constexpr int kMostHalvings = 8;
 

@@ -24,6 +24,10 @@ void Note(std::vector<std::string>& list, const std::string& what) {
   if (std::find(list.begin(), list.end(), what) == list.end()) list.push_back(what);
 }
 
+void NoteChannel(std::vector<std::string>& list, const AttributeChannel& channel) {
+  Note(list, NamesForMessage({channel}).front());
+}
+
 void NoteAsset(const MeshAsset& asset, std::vector<std::string>& left_out) {
   if (asset.gltf != nullptr) Note(left_out, "nodes, textures, animations and skins of the glTF");
 }
@@ -44,7 +48,7 @@ class ObjWriter {
     texcoord_ = a_.OffsetOf("TEXCOORD_0"), normal_ = a_.OffsetOf("NORMAL");
     for (const AttributeChannel& c : a_.channels) {
       const bool is_kept = (c.name == "TEXCOORD_0" && c.components >= 2) || c.name == "NORMAL";
-      if (!is_kept) Note(left_out, c.name);
+      if (!is_kept) NoteChannel(left_out, c);
       if (!is_kept && c.name == "TEXCOORD_0") texcoord_.reset();
     }
     for (const std::string& library : asset_.material_libraries) Line("mtllib ", library);
@@ -110,6 +114,7 @@ class ObjWriter {
 
 // What a channel's components are called, and whether they are 8 bits; none: it has no place.
 std::vector<std::string> PlyNames(const AttributeChannel& channel) {
+  if (MorphNameOf(channel.name)) return {};
   if (channel.name == "NORMAL") return {"nx", "ny", "nz"};
   if (channel.name == "TEXCOORD_0" && channel.components == 2) return {"s", "t"};
   if (channel.name == "COLOR_0" && channel.components == 3) return {"red", "green", "blue"};
@@ -137,7 +142,7 @@ class PlyWriter {
     for (const AttributeChannel& c : a_.channels) {
       const std::vector<std::string> names = HasSeams(offset, c.components) ? std::vector<std::string>() : PlyNames(c);
       const bool is_byte = c.name == "COLOR_0";
-      if (names.empty()) Note(left_out, c.name);
+      if (names.empty()) NoteChannel(left_out, c);
       for (size_t i = 0; i < names.size(); ++i) {
         output_.Text(Concat("property ", is_byte ? "uchar " : "float ", names[i], "\n"));
         properties_.push_back({offset + static_cast<uint32_t>(i), is_byte});

@@ -329,6 +329,7 @@ class SceneReader {
   void NoteRest() {
     for (const AttributeChannel& c : result_.mesh.attributes.channels)
       std::erase(result_.mesh.dropped_attributes, absl::AsciiStrToLower(c.name));
+    if (!points_only_ && attributes_.carries_morphs()) std::erase(result_.mesh.dropped_attributes, "morph_targets");
     if (points_only_ && file_.root().Find("animations").size() > 0) NoteDropped(result_.mesh, "animations");
     if (result_.mesh.normals.empty()) return;
     std::vector<std::string>& dropped = result_.mesh.dropped_attributes;

@@ -12,7 +12,8 @@ bool IsGltf(const Source& source);  // text that begins with {
 // The default scene (the first one, where none is named; all root nodes or meshes, where there is no scene): every triangle
 // primitive of every node, transformed; a mesh that several nodes name is there several times; a mirroring transform turns its
 // triangles over. Triangles, strips and fans; without any, the points of all primitives are a point set. Positions may be
-// quantised and normalised (KHR_mesh_quantization) and sparse. Skins, morph targets and materials are left out.
+// quantised and normalised (KHR_mesh_quantization) and sparse. Attributes, morph targets, materials and what stands around the
+// meshes: gltf_attributes.h.
 // Refused: indices and sizes that don't fit together, nodes in a cycle, a required extension we don't know (Draco, meshopt),
 // buffers outside the base folder, and copies that would make the result larger than 16 times the file (and 32 MB).
 absl::StatusOr<ReadResult> ReadGlb(const Source& source);

@@ -17,6 +17,7 @@
 #include "absl/strings/match.h"
 #include "absl/types/span.h"
 #include "core/geometry/box.h"
+#include "core/io/gltf_buffer.h"
 #include "core/io/source.h"
 
 namespace meshfront {
@@ -24,9 +25,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kFloat = 5126, kUint32 = 5125, kUint16 = 5123, kArrayBuffer = 34962, kElementArrayBuffer = 34963;
 constexpr double kFarDiagonals = 4;  // from the origin: from there on float32 loses bits of the shape
-constexpr std::array<const char*, 4> kTypes = {"SCALAR", "VEC2", "VEC3", "VEC4"};
 
 void Note(std::vector<std::string>& list, const std::string& what) {
   if (std::find(list.begin(), list.end(), what) == list.end()) list.push_back(what);
@@ -79,25 +78,25 @@ class Formatter {
     doc_ = Json::parse(asset_.json, nullptr, false);
     if (!doc_.is_object()) return absl::InternalError("a glTF that was read can't be read again; please report it");
     old_accessors_ = TakeMember("accessors"), old_views_ = TakeMember("bufferViews");
-    KeepAnimations();
-    KeepReferences();
     old_meshes_ = TakeMember("meshes");
     for (const DetailLevel& level : levels_) {
       mesh_ = level.mesh;
       const absl::Status placed = PlaceGroups();
       if (!placed.ok()) return placed;
     }
-    doc_["meshes"] = std::move(meshes_);
+    KeepAnimations();
+    KeepReferences();
     CleanNodes();
     if (levels_.size() > 1) AddLevels();
-    doc_["accessors"] = std::move(accessors_);
-    doc_["bufferViews"] = std::move(views_);
+    doc_["meshes"] = std::move(meshes_);
+    doc_["accessors"] = std::move(buffer_.accessors);
+    doc_["bufferViews"] = std::move(buffer_.views);
     static constexpr const char* kMark = "@meshfront-uri@";
-    doc_["buffers"] = Json::array({Json{{"uri", kMark}, {"byteLength", buffer_.size()}}});
+    doc_["buffers"] = Json::array({Json{{"uri", kMark}, {"byteLength", buffer_.bytes.size()}}});
     const std::string text = doc_.dump(-1, ' ', false, Json::error_handler_t::replace);
     const std::string mark = std::string("\"uri\":\"") + kMark + "\",";
     const size_t at = text.rfind(mark);
-    return GltfDocument{text.substr(0, at), text.substr(at + mark.size()), std::move(buffer_)};
+    return GltfDocument{text.substr(0, at), text.substr(at + mark.size()), std::move(buffer_.bytes)};
   }
 
  private:
@@ -112,24 +111,6 @@ class Formatter {
     return taken;
   }
 
-  uint64_t AddView(absl::string_view bytes, int target) {
-    buffer_.resize((buffer_.size() + 3) / 4 * 4, '\0');
-    Json view = {{"buffer", 0}, {"byteOffset", buffer_.size()}, {"byteLength", bytes.size()}};
-    if (target != 0) view["target"] = target;
-    buffer_.append(bytes.data(), bytes.size());
-    views_.push_back(std::move(view));
-    return views_.size() - 1;
-  }
-  template <class Element>
-  uint64_t AddArray(const std::vector<Element>& array, int target) {
-    return AddView({reinterpret_cast<const char*>(array.data()), array.size() * sizeof(Element)}, target);
-  }
-  uint64_t AddAccessor(uint64_t view, int component_type, uint64_t count, uint32_t components) {
-    accessors_.push_back(
-        {{"bufferView", view}, {"componentType", component_type}, {"count", count}, {"type", kTypes[components - 1]}});
-    return accessors_.size() - 1;
-  }
-
   // The numbers of views and accessors that stay are new.
   void MoveView(Json& object, const char* key) {
     const std::optional<uint64_t> index = IndexIn(object, key);
@@ -137,10 +118,11 @@ class Formatter {
     const auto [at, is_new] = moved_views_.try_emplace(*index, 0);
     if (is_new) {
       const auto bytes = asset_.views.find(*index);
-      at->second = AddView(bytes == asset_.views.end() ? absl::string_view() : absl::string_view(bytes->second), 0);
+      at->second = buffer_.AddView(bytes == asset_.views.end() ? absl::string_view() : absl::string_view(bytes->second),
+                                   kGltfNoTarget);
       if (*index < old_views_.size()) {
         for (const char* kept : {"byteStride", "name", "extras"}) {
-          if (Json* const value = Member(old_views_[*index], kept)) views_[at->second][kept] = *value;
+          if (Json* const value = Member(old_views_[*index], kept)) buffer_.views[at->second][kept] = *value;
         }
       }
     }
@@ -159,8 +141,8 @@ class Formatter {
           if (Json* const json = Member(*sparse, part)) MoveView(*json, "bufferView");
         }
       }
-      accessors_.push_back(std::move(accessor));
-      at->second = accessors_.size() - 1;
+      buffer_.accessors.push_back(std::move(accessor));
+      at->second = buffer_.accessors.size() - 1;
     }
     object[key] = at->second;
   }
@@ -169,27 +151,39 @@ class Formatter {
   void DropPlainStride(Json& accessor) {
     const std::optional<uint64_t> view = IndexIn(accessor, "bufferView"), type = IndexIn(accessor, "componentType");
     if (!view || !type || Member(accessor, "type") == nullptr) return;
-    const uint64_t bytes = *type >= kUint32 ? 4 : *type >= 5122 ? 2 : 1;
+    const uint64_t bytes = *type >= kGltfUint32 ? 4 : *type >= 5122 ? 2 : 1;
     static const std::map<std::string, uint64_t> kCounts = {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3},
                                                             {"VEC4", 4},   {"MAT3", 9}, {"MAT4", 16}};
     const auto count = kCounts.find(Member(accessor, "type")->get<std::string>());
-    const std::optional<uint64_t> stride = IndexIn(views_[*view], "byteStride");
-    if (count != kCounts.end() && stride && *stride == count->second * bytes) views_[*view].erase("byteStride");
+    const std::optional<uint64_t> stride = IndexIn(buffer_.views[*view], "byteStride");
+    if (count != kCounts.end() && stride && *stride == count->second * bytes) buffer_.views[*view].erase("byteStride");
   }
 
-  // Weights of morph targets have nothing to move any more.
+  // Morph targets of a mesh as it is written.
+  uint32_t TargetsOf(size_t mesh) {
+    uint32_t targets = 0;
+    ForEach(meshes_[mesh], "primitives", [&](Json& primitive) {
+      if (const Json* const list = Member(primitive, "targets")) targets = static_cast<uint32_t>(list->size());
+    });
+    return targets;
+  }
+
+  // Those of weights need morph targets to move.
   void KeepAnimations() {
     Json* const animations = Member(doc_, "animations");
     if (animations == nullptr || !animations->is_array()) return;
+    std::set<uint64_t> morphing;
+    for (const auto& [place, mesh] : placed_.front()) {
+      if (place.first >= 0 && TargetsOf(mesh) > 0) morphing.insert(static_cast<uint64_t>(place.first));
+    }
     Json kept = Json::array();
     for (Json& animation : *animations) {
       Json channels = Json::array();
       ForEach(animation, "channels", [&](Json& channel) {
-        Json* const target = Member(channel, "target");
-        if (target != nullptr && Member(*target, "path") != nullptr && *Member(*target, "path") == "weights")
-          Note(left_out_, "animations of morph targets");
-        else
+        if (!MovesWeights(channel) || morphing.count(IndexIn(channel["target"], "node").value_or(-1)) > 0)
           channels.push_back(channel);
+        else
+          Note(left_out_, "animations of morph targets");
       });
       if (channels.empty()) continue;
       animation["channels"] = std::move(channels);
@@ -199,6 +193,11 @@ class Formatter {
       doc_.erase("animations");
     else
       *animations = std::move(kept);
+  }
+
+  static bool MovesWeights(Json& channel) {
+    Json* const target = Member(channel, "target");
+    return target != nullptr && Member(*target, "path") != nullptr && *Member(*target, "path") == "weights";
   }
 
   void KeepReferences() {
@@ -218,6 +217,8 @@ class Formatter {
         return absl::InvalidArgumentError(Concat("triangle ", f, " is of group ", group, "; there are ", faces.size()));
       faces[group].push_back(f);
     }
+    FindSlots();
+    const std::map<Place, uint32_t> targets = CountTargets(faces);
     std::map<Place, size_t>& mesh_of = placed_.emplace_back();
     for (size_t g = 0; g < faces.size(); ++g) {
       const GltfGroup& group = asset_.groups[g];
@@ -230,13 +231,39 @@ class Formatter {
       if (is_new) {
         DropExtensions(old);
         old["primitives"] = Json::array();
-        old.erase("weights");
         meshes_.push_back(std::move(old));
       }
-      FillPrimitive(group, faces[g], primitive);
+      FillPrimitive(group, faces[g], targets.at({group.node, group.mesh}), primitive);
       meshes_[at->second]["primitives"].push_back(std::move(primitive));
     }
+    for (const auto& [place, mesh] : mesh_of) KeepWeights(meshes_[mesh], TargetsOf(mesh));
     return absl::OkStatus();
+  }
+
+  // Of what is written of the mesh at hand: all primitives of a mesh have the same number of targets.
+  std::map<Place, uint32_t> CountTargets(const std::vector<std::vector<uint32_t>>& faces) const {
+    std::map<Place, uint32_t> targets;
+    for (size_t g = 0; g < faces.size(); ++g) {
+      uint32_t& of_place = targets[{asset_.groups[g].node, asset_.groups[g].mesh}];
+      if (!faces[g].empty()) of_place = std::max(of_place, asset_.groups[g].targets);
+    }
+    return targets;
+  }
+
+  // As many weights as targets, or none: then all are 0.
+  static void KeepWeights(Json& object, uint32_t targets) {
+    const Json* const weights = Member(object, "weights");
+    if (weights != nullptr && (targets == 0 || weights->size() != targets)) object.erase("weights");
+  }
+
+  // Where the channels of the mesh at hand are in a wedge.
+  void FindSlots() {
+    slots_.clear();
+    uint32_t offset = 0;
+    for (const AttributeChannel& c : mesh_->attributes.channels) {
+      slots_[c.name] = {offset, c.components};
+      offset += c.components;
+    }
   }
 
   // What extensions of meshes and primitives say of vertices and accessors is of the old ones. Variants name materials only.
@@ -270,9 +297,13 @@ class Formatter {
   struct Corner {
     uint32_t vertex, wedge;
   };
+  // Of a channel in a wedge.
+  struct Slot {
+    uint32_t offset, components;
+  };
 
-  void FillPrimitive(const GltfGroup& group, const std::vector<uint32_t>& faces, Json& primitive) {
-    if (primitive.erase("targets") > 0) Note(left_out_, "morph targets");
+  void FillPrimitive(const GltfGroup& group, const std::vector<uint32_t>& faces, uint32_t targets, Json& primitive) {
+    if (primitive.erase("targets") > 0 && targets == 0) Note(left_out_, "morph targets");
     DropExtensions(primitive);
     DropLostMaterial(primitive);
     const Inverse inverse(group.to_world);
@@ -291,54 +322,88 @@ class Formatter {
     }
     Json attributes = Json::object();
     attributes["POSITION"] = AddPositions(corners, inverse);
-    for (const std::string& name : group.attributes) AddAttribute(name, corners, inverse, attributes);
+    for (const std::string& name : group.attributes) {
+      if (!MorphNameOf(name)) AddAttribute(name, corners, inverse, attributes);
+    }
+    if (targets > 0) primitive["targets"] = FormatTargets(group, targets, corners, attributes);
     primitive["attributes"] = std::move(attributes);
-    primitive["indices"] = AddAccessor(AddArray(indices, kElementArrayBuffer), kUint32, indices.size(), 1);
+    primitive["indices"] =
+        buffer_.AddAccessor(buffer_.AddArray(indices, kGltfElementArrayBuffer), kGltfUint32, indices.size(), 1);
     primitive["mode"] = 4;
   }
 
   uint64_t AddPositions(const std::vector<Corner>& corners, const Inverse& inverse) {
     std::vector<float> values;
-    float least[3], most[3];
-    std::fill(least, least + 3, std::numeric_limits<float>::max());
-    std::fill(most, most + 3, std::numeric_limits<float>::lowest());
     for (const Corner& c : corners) {
       const Vec3 p = inverse.Point(mesh_->positions[c.vertex]);
-      for (int axis = 0; axis < 3; ++axis) {
-        const auto value = static_cast<float>(p[axis]);
-        values.push_back(value);
-        least[axis] = std::min(least[axis], value), most[axis] = std::max(most[axis], value);
-      }
+      for (int axis = 0; axis < 3; ++axis) values.push_back(static_cast<float>(p[axis]));
     }
-    const uint64_t accessor = AddAccessor(AddArray(values, kArrayBuffer), kFloat, corners.size(), 3);
-    accessors_[accessor]["min"] = {least[0], least[1], least[2]};
-    accessors_[accessor]["max"] = {most[0], most[1], most[2]};
+    const uint64_t accessor =
+        buffer_.AddAccessor(buffer_.AddArray(values, kGltfArrayBuffer), kGltfFloat, corners.size(), 3);
+    buffer_.SetBounds(accessor, values, 3);
     return accessor;
   }
 
   void AddAttribute(const std::string& name, const std::vector<Corner>& corners, const Inverse& inverse,
                     Json& attributes) {
-    const std::optional<uint32_t> offset = mesh_->attributes.OffsetOf(name);
-    if (!offset) return;
-    uint32_t components = 0;
-    for (const AttributeChannel& c : mesh_->attributes.channels)
-      components = c.name == name ? c.components : components;
+    const auto slot = slots_.find(name);
+    if (slot == slots_.end()) return;
+    const uint32_t offset = slot->second.offset;
+    uint32_t components = slot->second.components;
     const AttributeRole role = RoleOfName(name);
     if (role == AttributeRole::kTexcoord) components = std::min(components, 2u);
     if (role == AttributeRole::kNormal) components = 3;
     if (components > 4 || (role == AttributeRole::kTexcoord && components < 2)) return Note(left_out_, name);
-    if (role == AttributeRole::kJoints) return AddJoints(name, *offset, components, corners, attributes);
+    if (role == AttributeRole::kJoints) return AddJoints(name, offset, components, corners, attributes);
     std::vector<float> values;
     for (const Corner& c : corners) {
       const absl::Span<const float> wedge = mesh_->attributes.WedgeAt(c.wedge);
       const size_t begin = values.size();
-      values.insert(values.end(), wedge.begin() + *offset, wedge.begin() + *offset + components);
+      values.insert(values.end(), wedge.begin() + offset, wedge.begin() + offset + components);
       ToNode(role, inverse, values.data() + begin);
       if (role == AttributeRole::kColour) {
         for (size_t i = begin; i < values.size(); ++i) values[i] = std::clamp(values[i], 0.0f, 1.0f);
       }
     }
-    attributes[GltfName(name, role)] = AddAccessor(AddArray(values, kArrayBuffer), kFloat, corners.size(), components);
+    attributes[GltfName(name, role)] =
+        buffer_.AddAccessor(buffer_.AddArray(values, kGltfArrayBuffer), kGltfFloat, corners.size(), components);
+  }
+
+  // What each target adds to the attributes that are written; one that does nothing adds zeros to POSITION.
+  Json FormatTargets(const GltfGroup& group, uint32_t targets, const std::vector<Corner>& corners, Json& attributes) {
+    Json list = Json::array();
+    for (uint32_t t = 0; t < targets; ++t) list.push_back(Json::object());
+    for (const std::string& name : group.attributes) {
+      const std::optional<MorphName> morph = MorphNameOf(name);
+      const auto slot = slots_.find(name);
+      if (!morph || slot == slots_.end() || morph->target >= targets) continue;
+      const std::string of = GltfName(std::string(morph->attribute), RoleOfName(morph->attribute));
+      const std::string base = of == "_POSITION" ? "POSITION" : of;
+      if (Member(attributes, base.c_str()) == nullptr) continue;
+      list[morph->target][base] = AddDeltas(slot->second, base, corners);
+    }
+    for (Json& target : list) {
+      if (target.empty()) target["POSITION"] = AddDeltas({0, 0}, "POSITION", corners);
+    }
+    return list;
+  }
+
+  // Missing components are 0: a colour may have more than what is added to it.
+  uint64_t AddDeltas(const Slot& slot, const std::string& attribute, const std::vector<Corner>& corners) {
+    const AttributeRole role = RoleOfName(attribute);
+    const uint32_t components = role == AttributeRole::kTexcoord ? 2
+                                : role == AttributeRole::kColour ? std::min(slots_[attribute].components, 4u)
+                                : role == AttributeRole::kCustom && attribute != "POSITION" ? slot.components
+                                                                                            : 3;
+    std::vector<float> values(corners.size() * components, 0);
+    for (size_t i = 0; i < corners.size() && slot.components > 0; ++i) {
+      const absl::Span<const float> wedge = mesh_->attributes.WedgeAt(corners[i].wedge);
+      for (uint32_t c = 0; c < std::min(components, slot.components); ++c)
+        values[i * components + c] = wedge[slot.offset + c];
+    }
+    const uint64_t accessor = buffer_.AddSparse(values, components);
+    if (attribute == "POSITION") buffer_.SetBounds(accessor, values, components);
+    return accessor;
   }
 
   // Of applications' own attributes begins with an underscore.
@@ -362,7 +427,8 @@ class Formatter {
       for (const float v : mesh_->attributes.WedgeAt(c.wedge).subspan(offset, components))
         values.push_back(static_cast<uint16_t>(std::clamp(v, 0.0f, 65535.0f)));
     }
-    attributes[name] = AddAccessor(AddArray(values, kArrayBuffer), kUint16, corners.size(), components);
+    attributes[name] =
+        buffer_.AddAccessor(buffer_.AddArray(values, kGltfArrayBuffer), kGltfUint16, corners.size(), components);
   }
 
   // Levels of the file's own are outside of the scene, and were not read.
@@ -385,7 +451,7 @@ class Formatter {
     ForEach(doc_, "nodes", [&](Json& node) {
       const auto mesh = node_meshes.find(number++);
       if (!node.is_object()) return;
-      node.erase("weights");
+      KeepWeights(node, mesh == node_meshes.end() ? 0 : TargetsOf(mesh->second));
       DropOldLevels(node);
       if (mesh != node_meshes.end()) {
         node["mesh"] = mesh->second;
@@ -417,7 +483,7 @@ class Formatter {
     ForEach(doc_, "animations", [&](Json& animation) {
       ForEach(animation, "channels", [&](Json& channel) {
         Json* const target = Member(channel, "target");
-        if (target == nullptr || Member(*target, "path") == nullptr || *Member(*target, "path") == "weights") return;
+        if (target == nullptr || MovesWeights(channel)) return;
         if (const std::optional<uint64_t> node = IndexIn(*target, "node")) busy.insert(*node);
       });
     });
@@ -462,6 +528,22 @@ class Formatter {
     return nodes.size() - 1;
   }
 
+  // What moves the weights of the node moves those of its leaf and of all levels.
+  void MorphLevels(int64_t node, uint64_t leaf, const Json& levels) {
+    ForEach(doc_, "animations", [&](Json& animation) {
+      Json more = Json::array();
+      ForEach(animation, "channels", [&](Json& channel) {
+        if (!MovesWeights(channel) || IndexIn(channel["target"], "node") != static_cast<uint64_t>(node)) return;
+        channel["target"]["node"] = leaf;
+        for (const Json& level : levels) {
+          more.push_back(channel);
+          more.back()["target"]["node"] = level;
+        }
+      });
+      for (Json& channel : more) animation["channels"].push_back(std::move(channel));
+    });
+  }
+
   // A level takes the place of the node above it, and so has its transform and its skin.
   void AddLevelsAt(uint64_t leaf, const Place& place) {
     Json& nodes = doc_["nodes"];
@@ -478,6 +560,7 @@ class Formatter {
       nodes.push_back(std::move(node));
     }
     if (ids.empty()) return;
+    MorphLevels(place.first, leaf, ids);
     nodes[leaf]["extensions"][kLodExtension] = {{"ids", std::move(ids)}};
     nodes[leaf]["extras"][kCoverage] = std::move(coverages);
   }
@@ -499,8 +582,8 @@ class Formatter {
   std::vector<std::string>& left_out_;
   Json doc_, old_accessors_, old_views_, old_meshes_;
   Json meshes_ = Json::array();
-  Json accessors_ = Json::array(), views_ = Json::array();
-  std::string buffer_;
+  GltfBuffer buffer_;
+  absl::flat_hash_map<std::string, Slot> slots_;  // of the mesh at hand
   std::map<uint64_t, uint64_t> moved_views_, moved_accessors_;
   std::vector<std::map<Place, size_t>> placed_;  // of each level, the meshes
   std::set<std::string> dropped_extensions_ = {"KHR_draco_mesh_compression", "KHR_mesh_quantization"};
@@ -547,7 +630,12 @@ GltfAsset PlainGltfAsset(const TriangleMesh& mesh, const std::vector<std::string
     }
     primitives.push_back(std::move(primitive));
     asset.groups.push_back({0, 0, g, to_world, {}});
-    for (const AttributeChannel& c : mesh.attributes.channels) asset.groups.back().attributes.push_back(c.name);
+    GltfGroup& group = asset.groups.back();
+    for (const AttributeChannel& c : mesh.attributes.channels) {
+      group.attributes.push_back(c.name);
+      if (const std::optional<MorphName> morph = MorphNameOf(c.name))
+        group.targets = std::max(group.targets, morph->target + 1);
+    }
   }
   Json doc = {{"asset", {{"version", "2.0"}, {"generator", "Meshfront"}}},
               {"scene", 0},

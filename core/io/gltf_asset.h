@@ -31,8 +31,10 @@ inline bool KeepsBits(const GltfTransform& t, const Vec3& direction) {
 struct GltfGroup {
   int64_t node = -1;  // -1: the file has no nodes, and the mesh stands alone
   uint64_t mesh = 0, primitive = 0;
-  GltfTransform to_world;               // of the positions in the file
-  std::vector<std::string> attributes;  // that the primitive has, beside POSITION
+  GltfTransform to_world;  // of the positions in the file
+  std::vector<std::string>
+      attributes;        // that the primitive has, beside POSITION; those of morph targets behind all others
+  uint32_t targets = 0;  // morph targets; 0 as well where they can't be carried
 };
 
 struct GltfAsset {

@@ -1,9 +1,11 @@
 #include "core/mesh/attributes.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <utility>
 
+#include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
 #include "core/base/status_macros.h"
 
@@ -11,6 +13,7 @@ namespace meshfront {
 namespace {
 
 constexpr size_t kMaxNameBytes = 128;
+constexpr std::string_view kMorphStem = "MORPH_";
 
 bool IsNumbered(std::string_view name, std::string_view stem) {
   return name.size() > stem.size() && name.substr(0, stem.size()) == stem &&
@@ -22,20 +25,26 @@ void SetVector(const Vec3& v, float* out) {
   out[0] = static_cast<float>(v.x), out[1] = static_cast<float>(v.y), out[2] = static_cast<float>(v.z);
 }
 
-absl::Status CheckChannel(const std::vector<AttributeChannel>& channels, const AttributeChannel& c) {
+uint32_t LeastComponents(std::string_view name) {
+  if (const std::optional<MorphName> morph = MorphNameOf(name)) {
+    const std::string_view of = morph->attribute;
+    return of == "POSITION" || of == "NORMAL" || of == "TANGENT" ? 3 : 1;
+  }
+  const AttributeRole role = RoleOfName(name);
+  return role == AttributeRole::kNormal ? 3 : role == AttributeRole::kTangent ? 4 : 1;
+}
+
+absl::Status CheckChannel(const AttributeChannel& c) {
   if (c.name.empty() || c.name.size() > kMaxNameBytes) {
     return absl::InvalidArgumentError(
         absl::StrCat("an attribute's name has ", c.name.size(), " bytes; it must have 1 to ", kMaxNameBytes));
   }
-  const AttributeRole role = RoleOfName(c.name);
-  const uint32_t least = role == AttributeRole::kNormal ? 3 : role == AttributeRole::kTangent ? 4 : 1;
+  const uint32_t least = LeastComponents(c.name);
   if (c.components < least || c.components > kMaxAttributeComponents) {
     return absl::InvalidArgumentError(absl::StrCat("attribute ", c.name, " has ", c.components,
                                                    " components; it must have ", least, " to ",
                                                    kMaxAttributeComponents));
   }
-  if (std::count_if(channels.begin(), channels.end(), [&](const auto& o) { return o.name == c.name; }) > 1)
-    return absl::InvalidArgumentError(absl::StrCat("attribute ", c.name, " is there twice"));
   return absl::OkStatus();
 }
 
@@ -46,8 +55,39 @@ absl::Status ValidateChannels(const std::vector<AttributeChannel>& channels) {
     return absl::InvalidArgumentError(
         absl::StrCat("there are ", channels.size(), " attributes; at most ", kMaxAttributeChannels, " can be carried"));
   }
-  for (const AttributeChannel& c : channels) MESHFRONT_RETURN_IF_ERROR(CheckChannel(channels, c));
+  absl::flat_hash_set<std::string_view> names;
+  for (const AttributeChannel& c : channels) {
+    MESHFRONT_RETURN_IF_ERROR(CheckChannel(c));
+    if (!names.insert(c.name).second)
+      return absl::InvalidArgumentError(absl::StrCat("attribute ", c.name, " is there twice"));
+  }
   return absl::OkStatus();
+}
+
+std::optional<MorphName> MorphNameOf(std::string_view name) {
+  if (name.substr(0, kMorphStem.size()) != kMorphStem) return std::nullopt;
+  const std::string_view rest = name.substr(kMorphStem.size());
+  const size_t end = std::min(rest.find('_'), rest.size());
+  MorphName morph;
+  const auto [last, error] = std::from_chars(rest.data(), rest.data() + end, morph.target);
+  if (error != std::errc() || last != rest.data() + end || end + 1 >= rest.size()) return std::nullopt;
+  morph.attribute = rest.substr(end + 1);
+  return morph;
+}
+
+std::string NameOfMorph(uint32_t target, std::string_view attribute) {
+  return std::string(kMorphStem) + std::to_string(target) + "_" + std::string(attribute);
+}
+
+std::vector<std::string> NamesForMessage(const std::vector<AttributeChannel>& channels) {
+  std::vector<std::string> names;
+  bool has_morphs = false;
+  for (const AttributeChannel& c : channels) {
+    const bool is_morph = RoleOfName(c.name) == AttributeRole::kMorph;
+    if (!is_morph || !has_morphs) names.push_back(is_morph ? "morph targets" : c.name);
+    has_morphs = has_morphs || is_morph;
+  }
+  return names;
 }
 
 AttributeRole RoleOfName(std::string_view name) {
@@ -57,7 +97,7 @@ AttributeRole RoleOfName(std::string_view name) {
   if (IsNumbered(name, "COLOR_")) return AttributeRole::kColour;
   if (IsNumbered(name, "JOINTS_")) return AttributeRole::kJoints;
   if (IsNumbered(name, "WEIGHTS_")) return AttributeRole::kWeights;
-  return AttributeRole::kCustom;
+  return MorphNameOf(name) ? AttributeRole::kMorph : AttributeRole::kCustom;
 }
 
 uint32_t MeshAttributes::Stride() const {

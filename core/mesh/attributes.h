@@ -16,10 +16,18 @@
 namespace meshfront {
 
 // What the values of a channel mean, and so how they are interpolated.
-enum class AttributeRole { kTexcoord, kNormal, kTangent, kColour, kJoints, kWeights, kCustom };
+enum class AttributeRole { kTexcoord, kNormal, kTangent, kColour, kJoints, kWeights, kMorph, kCustom };
 
-// By glTF's names: "TEXCOORD_0", "NORMAL", "TANGENT", "COLOR_0", "JOINTS_0", "WEIGHTS_0"; anything else is custom.
+// By glTF's names: "TEXCOORD_0", "NORMAL", "TANGENT", "COLOR_0", "JOINTS_0", "WEIGHTS_0", and MorphName's; anything else is custom.
 AttributeRole RoleOfName(std::string_view name);
+
+// What a morph target adds to an attribute or to POSITION, in the coordinates of the file's node: "MORPH_2_NORMAL".
+struct MorphName {
+  uint32_t target = 0;
+  std::string_view attribute;
+};
+std::optional<MorphName> MorphNameOf(std::string_view name);
+std::string NameOfMorph(uint32_t target, std::string_view attribute);
 
 struct AttributeChannel {
   std::string name;
@@ -27,7 +35,7 @@ struct AttributeChannel {
   bool operator==(const AttributeChannel&) const = default;
 };
 
-inline constexpr uint32_t kMaxAttributeComponents = 16, kMaxAttributeChannels = 32;
+inline constexpr uint32_t kMaxAttributeComponents = 16, kMaxAttributeChannels = 4096;
 
 // The wedges of the three corners of a triangle.
 using CornerWedges = std::array<uint32_t, 3>;
@@ -51,6 +59,9 @@ struct MeshAttributes {
   std::optional<uint32_t> OffsetOf(std::string_view name) const;
 };
 
+// Names of channels for a message, all of morph targets as one.
+std::vector<std::string> NamesForMessage(const std::vector<AttributeChannel>& channels);
+
 // InvalidArgument naming what does not fit: their number, names and components.
 absl::Status ValidateChannels(const std::vector<AttributeChannel>& channels);
 // … or names, components, wedges out of range, values that are not finite.
@@ -66,8 +77,8 @@ struct WedgeSource {
   Vec3 normal;
 };
 
-// Values of a mesh's attributes at places on it. Texture coordinates, colours and custom values are interpolated linearly; normals
-// are linear and of unit length (`smooth_normals`: the surface's, where the mesh's are those of flat faces); tangents stay
+// Values of a mesh's attributes at places on it. Texture coordinates, colours, morph targets and custom values are interpolated
+// linearly; normals are linear and of unit length (`smooth_normals`: the surface's, where the mesh's are those of flat faces); tangents stay
 // orthogonal to the normal, with the sign of the nearest corner; of the joints of all corners those of the largest weights are kept,
 // and the weights sum up to 1. Immutable; `attributes` outlives it.
 class AttributeInterpolator {

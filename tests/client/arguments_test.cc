@@ -197,7 +197,6 @@ TEST(MeshingFlags, FeaturesAreTheLinesOfAnObj) {
   EXPECT_THAT(ReadFeatureLines(path), StatusIs(kInvalid, "has no line"));
   EXPECT_THAT(ReadFeatureLines("/no/such/file"), StatusIs(kInvalid, "can't be read"));
   EXPECT_TRUE(ReadFeatureLines(std::nullopt)->lines.segments.empty());
-  EXPECT_THAT(Parse({.features = "a.obj", .region = "sphere:0,0,0,1"}), StatusIs(kInvalid, "contradict"));
 }
 
 TEST(SessionFile, HoldsANameAndWhetherThereAreAttributes) {

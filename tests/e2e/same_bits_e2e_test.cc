@@ -132,6 +132,12 @@ TEST(SameBitsOverSocket, InAPatchOfASession) {
   EXPECT_EQ(run("-", {"--server", server.address(), "--session", session}), alone);
   std::ofstream(session) << "0123456789abcdef\n";
   EXPECT_EQ(run("-", {"--server", server.address(), "--session", session}), "3") << "no such session";
+  const std::string errors = folder / "errors";
+  ChildProcess({"/bin/sh", "-c",
+                absl::StrCat("'", MESHFRONT_PROGRAM, "' remesh - '", out, "' --region ", region, " --server ",
+                             server.address(), " --session '", session, "' 2>'", errors, "'")})
+      .Wait();
+  EXPECT_THAT(BytesOf(errors), ::testing::HasSubstr(absl::StrCat("session ", session, ": session_id is not known")));
   EXPECT_EQ(run(in, {"--session", session}), "2") << "no server";
   EXPECT_EQ(run(in, {"--server", server.address(), "--session", session}), "2") << "IN beside it";
   EXPECT_EQ(run("-", {"--server", server.address(), "--session", in + "x"}), "2") << "no such file";

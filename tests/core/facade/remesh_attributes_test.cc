@@ -175,6 +175,30 @@ TEST_P(TexturedShapes, KeepTheRestOfARegionWithItsBitsAndInterpolateInside) {
   }
 }
 
+// What a target adds is torn apart at −x, where the texture has its seam: each side keeps its own, inside of the region and outside.
+TEST(Region, InterpolatesMorphTargetsOnBothSidesOfATear) {
+  const auto moved = [](const Vec3& p, const Vec3& c) {
+    return std::vector<float>{static_cast<float>(p.z), static_cast<float>(2 * AroundZ(p, c)[0]), 0};
+  };
+  const TriangleMesh input = WithChannel(Torus(1, 0.4, 64, 32), "MORPH_0_POSITION", 3, moved);
+  const RegionSphere sphere{{-1.4, 0.05, 0.1}, 0.5};
+  for (const bool whole : {true, false}) {
+    const auto [mesh, report] = RemeshOrFail(input, {.rho = 0.3}, whole ? std::nullopt : std::optional(Region{sphere}));
+    if (!whole) EXPECT_EQ(CountMissing(input, sphere, mesh), 0u);
+    EXPECT_TRUE(report.output.closed);
+    double largest = 0;
+    for (size_t f = 0; f < mesh.triangles.size(); ++f) {
+      for (int i = 0; i < 3; ++i) {
+        const std::vector<float> wanted =
+            moved(mesh.PositionAt(mesh.triangles[f][i]), CentroidOf(mesh, mesh.triangles[f]));
+        const absl::Span<const float> values = mesh.attributes.WedgeAt(mesh.attributes.corners[f][i]);
+        for (int axis = 0; axis < 3; ++axis) largest = std::max(largest, std::abs(double{values[axis]} - wanted[axis]));
+      }
+    }
+    EXPECT_LT(largest, 0.02) << whole;
+  }
+}
+
 // Where no seam is, the border's vertices have one wedge on both sides of it.
 TEST(Region, SharesTheWedgesOfItsBorder) {
   const TriangleMesh input = Textured(Icosphere(4), [](const Vec3& p, const Vec3&) { return std::array{p.x, p.y}; });

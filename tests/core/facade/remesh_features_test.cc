@@ -17,9 +17,10 @@ struct Result {
   absl::StatusOr<Report> report;
 };
 
-Result RemeshWith(const TriangleMesh& mesh, const Polylines& lines, double rho) {
+Result RemeshWith(const TriangleMesh& mesh, const Polylines& lines, double rho,
+                  const std::optional<Region>& region = std::nullopt) {
   CheckingSink sink;
-  Problem problem{mesh, {}, std::nullopt, nullptr, lines};
+  Problem problem{mesh, {}, region, nullptr, lines};
   problem.options.rho = rho;
   absl::StatusOr<Report> report = Remesh(std::move(problem), sink, {});
   sink.CheckEnd();
@@ -100,13 +101,54 @@ TEST(RemeshFeatures, ArePartOfTheSurfaceAtAnyScale) {
   EXPECT_TRUE(mesh.triangles == other.triangles);
 }
 
+// One line crosses the region and goes on on both sides, one lies in it, one does not: what lies in it is kept, up to a face from the
+// border, the rest of the mesh has its bits, and the others are named.
+TEST(RemeshFeatures, AreInForceInsideOfARegion) {
+  const TriangleMesh ball = Icosphere(5);
+  const auto arc = [](double height, double from, double to) {
+    std::vector<Vec3> points;
+    const double radius = std::sqrt(1 - height * height);
+    for (int i = 0; i <= 20; ++i) {
+      const double angle = from + (to - from) * i / 20;
+      points.push_back({radius * std::cos(angle), radius * std::sin(angle), height});
+    }
+    return Line(points);
+  };
+  Polylines lines = arc(0.03, -1.3, 1.3);
+  for (const Polylines& more : {arc(0.23, -0.2, 0.2), arc(0.1, 2, 2.5)}) {
+    const auto first = static_cast<uint32_t>(lines.points.size());
+    lines.points.insert(lines.points.end(), more.points.begin(), more.points.end());
+    for (const auto& [a, b] : more.segments) lines.segments.push_back({a + first, b + first});
+  }
+  const auto [mesh, report] = RemeshWith(ball, lines, 0.3, Region{RegionSphere{{1, 0, 0}, 0.8}});
+  ASSERT_THAT(report, IsOk());
+  EXPECT_TRUE(report->complete);
+  EXPECT_THAT(mesh, IsClosedManifold());
+  EXPECT_EQ(report->region->kept_triangles + report->region->replaced_triangles, ball.triangles.size());
+  const auto worst = [&mesh = mesh](double height, double reach) {
+    double most = 0;
+    for (int i = -100; i <= 100; ++i) {
+      const double angle = reach * i / 100, radius = std::sqrt(1 - height * height);
+      const Vec3 p{radius * std::cos(angle), radius * std::sin(angle), height};
+      most = std::max(most, NearestEdgeAlong(mesh, p, {-std::sin(angle), std::cos(angle), 0}));
+    }
+    return most;
+  };
+  EXPECT_LE(worst(0.03, 0.65), report->error_bound);
+  EXPECT_LE(worst(0.23, 0.2), report->error_bound);
+  EXPECT_GT(worst(0.03, 1.1), 4 * report->error_bound) << "not in force outside";
+  ASSERT_EQ(report->warnings.size(), 1u);
+  EXPECT_THAT(report->warnings.front(),
+              ::testing::HasSubstr("segments of options.features lie, wholly or in part, outside"));
+  EXPECT_LT(report->parameters.feature_segments, 40u);
+  EXPECT_GT(report->parameters.feature_segments, 25u);
+}
+
 TEST(RemeshFeatures, AreRefusedWhereThereIsNoPlaceForThem) {
   const Polylines off = Line({{-0.6, -0.4, 1}, {0.5, 0.3, 1.2}});
   CollectingSink sink;
   EXPECT_THAT(Remesh({Cube(3), {}, std::nullopt, nullptr, off}, sink, {}),
               StatusIs(absl::StatusCode::kInvalidArgument, "options.features.segments[0] lies at 0.5, 0.3, 1.2"));
-  EXPECT_THAT(Remesh({Cube(3), {}, Region{RegionSphere{{1, 1, 1}, 0.9}}, nullptr, off}, sink, {}),
-              StatusIs(absl::StatusCode::kInvalidArgument, "options.features is set beside options.region"));
   TriangleMesh points = Icosphere(3);
   points.triangles.clear();
   EXPECT_THAT(Remesh({points, {}, std::nullopt, nullptr, off}, sink, {}),

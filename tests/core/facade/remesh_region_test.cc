@@ -11,8 +11,10 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/quality.h"
+#include "core/mesh/self_intersection.h"
 #include "core/prepared_input.h"
 #include "core/remesh.h"
 #include "gmock/gmock.h"
@@ -24,6 +26,7 @@ namespace meshfront {
 namespace {
 
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using testing::IsOk;
 using testing::StatusIs;
@@ -333,6 +336,46 @@ TEST(RemeshRegion, AsksAPreparedInputForRepairAsTheOptionsDo) {
   ExpectSameAsAlone(Prepared(soup), soup, region, options);
   ExpectSameAsAlone(Prepared(whole, false), whole, region);
   ExpectSameAsAlone(Prepared(whole), whole, region, options);
+}
+
+// Two balls, one in the other, that almost touch at +x, where edges that may not be shorter pass through both. Around there the faces stay.
+TEST(Region, LeavesFacesAsTheyAreWhereNoMeshComesOutRight) {
+  const TriangleMesh outer = testing::UvSphere(32, 16);
+  const Vec3 touch = *std::max_element(outer.positions.begin(), outer.positions.end(),
+                                       [](const Vec3& a, const Vec3& b) { return a.x < b.x; });
+  TriangleMesh inner = testing::Moved(testing::Scaled(outer, 0.8), 0.1995 * touch);
+  for (Triangle& t : inner.triangles) std::swap(t[1], t[2]);
+  const TriangleMesh mesh = testing::Joined(outer, inner);
+  RegionFaces faces;
+  for (uint32_t f = 0; f < outer.triangles.size(); ++f) {
+    const Triangle& t = outer.triangles[f];
+    if (std::min({outer.PositionAt(t[0]).x, outer.PositionAt(t[1]).x, outer.PositionAt(t[2]).x}) > 0.2)
+      faces.push_back(f);
+  }
+  RemeshOptions options;
+  options.min_edge = Length{0.05, false};
+  for (const bool patch_only : {false, true}) {
+    const auto [result, report] = RemeshRegion(mesh, Region{faces, patch_only}, options);
+    EXPECT_TRUE(report.complete);
+    EXPECT_THAT(report.warnings,
+                ElementsAre(HasSubstr(absl::StrCat(" of ", faces.size(), " faces of options.region stay"))));
+    EXPECT_GT(report.region->replaced_triangles, faces.size() / 3);
+    EXPECT_LT(report.region->replaced_triangles, faces.size());
+    EXPECT_EQ(report.region->kept_triangles + report.region->replaced_triangles, mesh.triangles.size());
+    if (patch_only) {
+      EXPECT_EQ(report.region->removed_faces.size(), report.region->replaced_triangles);
+      continue;
+    }
+    EXPECT_THAT(result, testing::IsClosedManifold());
+    const auto meetings = FindSelfIntersections(result, 1, {});
+    ASSERT_THAT(meetings, IsOk());
+    EXPECT_EQ(meetings->pairs, 0u);
+    std::set<FaceBits> left;
+    for (const Triangle& t : result.triangles) left.insert(FaceOf(result, t));
+    size_t same = 0;
+    for (const Triangle& t : mesh.triangles) same += left.contains(FaceOf(mesh, t));
+    EXPECT_GE(same, report.region->kept_triangles);
+  }
 }
 
 TEST(PreparedInput, RefusesAPointSet) {

@@ -48,6 +48,24 @@ TEST(MarkAttributeSeams, SeesNoSeamInWhatOnlyRoundingParts) {
   EXPECT_EQ(SeamsOf(testing::Textured(testing::Sheet(8), map)).edges(), 0);
 }
 
+// A mouth that is shut: where two sides of an edge go different ways, not where their normals do, nor in the noise of a target that is
+// small beside another one.
+TEST(MarkAttributeSeams, FollowsLinesAlongWhichMorphTargetsTear) {
+  const TriangleMesh sheet = testing::Sheet(8);
+  const auto moved = [&](const std::string& name, float far, float near) {
+    TriangleMesh mesh = testing::WithChannel(sheet, "MORPH_0_POSITION", 3, [&](const Vec3& p, const Vec3&) {
+      return std::vector<float>{static_cast<float>(p.y), 0, 0};
+    });
+    const double middle = BoundingBox(sheet).Center().x;
+    return testing::WithChannel(mesh, name, 3, [&](const Vec3&, const Vec3& centroid) {
+      return std::vector<float>{0, 0, centroid.x > middle ? far : near};
+    });
+  };
+  EXPECT_EQ(SeamsOf(moved("MORPH_1_POSITION", 0.5, -0.5)).edges(), 8);
+  EXPECT_EQ(SeamsOf(moved("MORPH_1_POSITION", 1e-6f, -1e-6f)).edges(), 0);
+  EXPECT_EQ(SeamsOf(moved("MORPH_1_NORMAL", 0.5, -0.5)).edges(), 0);
+}
+
 TEST(MarkAttributeSeams, FollowsBordersOfGroups) {
   TriangleMesh sheet = testing::Sheet(8);
   for (const Triangle& t : sheet.triangles) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/features/line_clipping.h"
 #include "core/geometry/segment.h"
 #include "core/geometry/triangle.h"
 #include "core/mesh/topology.h"
@@ -54,6 +55,44 @@ double AreaOf(const TriangleMesh& mesh) {
   for (const Triangle& t : mesh.triangles)
     sum += TriangleArea(mesh.PositionAt(t[0]), mesh.PositionAt(t[1]), mesh.PositionAt(t[2]));
   return sum;
+}
+
+// The middle third of a square sheet, but for the faces that touch the others: of a line from side to side what lies there, of others nothing.
+TEST(Polylines, AreClippedToFacesAwayFromAllOthers) {
+  const TriangleMesh sheet = Sheet(12);
+  std::vector<bool> middle;
+  for (const Triangle& t : sheet.triangles) {
+    const double x = (sheet.PositionAt(t[0]).x + sheet.PositionAt(t[1]).x + sheet.PositionAt(t[2]).x) / 3;
+    middle.push_back(std::abs(x) < 1.0 / 3);
+  }
+  Polylines lines = Line({{-1, -0.3, 0}, {1, 0.3, 0}, {1, 0.8, 0}});
+  const ClippedLines clipped = ClipPolylines(lines, sheet, middle, 1);
+  ASSERT_EQ(clipped.lines.segments.size(), 1u);
+  const Vec3 &a = clipped.lines.points[clipped.lines.segments[0][0]],
+             &b = clipped.lines.points[clipped.lines.segments[0][1]];
+  EXPECT_NEAR(a.x, -1.0 / 6, 1e-6);
+  EXPECT_NEAR(b.x, 1.0 / 6, 1e-6);
+  EXPECT_EQ(clipped.origins, std::vector<uint32_t>{0});
+  EXPECT_EQ(clipped.cut, (std::vector<uint32_t>{0, 1}));
+}
+
+// A line that would have to cross fixed faces is refused by the name it has, and splits none of them.
+TEST(Polylines, LeaveFixedFacesAlone) {
+  Split split;
+  split.mesh = Sheet(8);
+  split.adjacency = CreateAdjacency(split.mesh);
+  split.creases.resize(3 * split.mesh.triangles.size());
+  LineLimits limits;
+  for (const Triangle& t : split.mesh.triangles) limits.fixed.push_back(split.mesh.PositionAt(t[0]).x > 0.5);
+  limits.origins = {7};
+  const auto inserted =
+      InsertPolylines(Line({{0.1, 0.31, 0}, {0.9, 0.77, 0}}), split.mesh, split.adjacency, split.creases, {}, limits);
+  EXPECT_THAT(inserted, StatusIs(kInvalid, "options.features.segments[7]"));
+  for (size_t f = 0; f < limits.fixed.size(); ++f) {
+    if (limits.fixed[f]) {
+      EXPECT_EQ(split.mesh.triangles[f], Sheet(8).triangles[f]);
+    }
+  }
 }
 
 // A zigzag on a flat sheet: as long as it was asked for, through its points, and the sheet's area stays.

@@ -34,6 +34,12 @@ TriangleMesh Painted() {
   return mesh;
 }
 
+std::string Replaced(std::string text, const std::string& what, const std::string& by) {
+  const size_t at = text.find(what);
+  EXPECT_NE(at, std::string::npos) << what;
+  return at == std::string::npos ? text : text.replace(at, what.size(), by);
+}
+
 // By the places of its corners, sorted: the values of each face.
 std::vector<std::vector<float>> Faces(const TriangleMesh& mesh) {
   std::vector<std::vector<float>> faces;
@@ -165,6 +171,113 @@ TEST(Asset, KeepsWhatLiesAroundTheMeshesOfAGltf) {
   EXPECT_EQ(position["max"], (std::vector<double>{1, 1, 0}));
 }
 
+// Two targets of a square: one moves its first corner, and says so of that alone; the other one moves all and turns the normals. A third
+// does nothing. An animation moves their weights.
+std::string MorphingGlb() {
+  const std::string buffer = Raw({0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f, 1.f, 1.f, 0.f}) +    // 0: positions
+                             Raw({0.f, 0.f, 1.f, 0.f, 0.f, 1.f, 0.f, 0.f, 1.f, 0.f, 0.f, 1.f}) +    // 48: normals
+                             Raw<uint8_t>({0, 1, 2, 2, 1, 3, 0, 0}) + Raw<uint8_t>({0, 0, 0, 0}) +  // 96, 104: a corner
+                             Raw({0.f, 0.f, 5.f}) +                                                 // 108: what it adds
+                             Raw({.1f, 0.f, 0.f, .2f, 0.f, 0.f, .3f, 0.f, 0.f, .4f, -1.f, 0.f}) +   // 120: to all
+                             Raw({0.f, 1.f}) + Raw({0.f, 0.f, 0.f, 1.f, .5f, 0.f});  // 168, 176: times and weights
+  return Glb(
+      R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,"scale":[2,-1,3],"weights":[0,1,0]}],)"
+      R"("meshes":[{"weights":[0.5,0.25,0],"extras":{"targetNames":["corner","all","none"]},"primitives":[{"indices":6,)"
+      R"("attributes":{"POSITION":0,"NORMAL":1},"targets":[{"POSITION":2},{"POSITION":3,"NORMAL":3},{"POSITION":7}]}]}],)"
+      R"("animations":[{"channels":[{"sampler":0,"target":{"node":0,"path":"weights"}}],"samplers":[{"input":4,"output":5}]}],)"
+      R"("accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},)"
+      R"({"bufferView":1,"componentType":5126,"count":4,"type":"VEC3"},)"
+      R"({"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[0,0,5],"sparse":{"count":1,)"
+      R"("indices":{"bufferView":3,"componentType":5121},"values":{"bufferView":4}}},)"
+      R"({"bufferView":5,"componentType":5126,"count":4,"type":"VEC3","min":[0.1,-1,0],"max":[0.4,0,0]},)"
+      R"({"bufferView":6,"componentType":5126,"count":2,"type":"SCALAR","min":[0],"max":[1]},)"
+      R"({"bufferView":7,"componentType":5126,"count":6,"type":"SCALAR"},)"
+      R"({"bufferView":2,"componentType":5121,"count":6,"type":"SCALAR"},)"
+      R"({"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[0,0,0]}],)"
+      R"("bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":48},)"
+      R"({"buffer":0,"byteOffset":96,"byteLength":6},{"buffer":0,"byteOffset":104,"byteLength":1},)"
+      R"({"buffer":0,"byteOffset":108,"byteLength":12},{"buffer":0,"byteOffset":120,"byteLength":48},)"
+      R"({"buffer":0,"byteOffset":168,"byteLength":8},{"buffer":0,"byteOffset":176,"byteLength":24}],)"
+      R"("buffers":[{"byteLength":200}]})",
+      buffer);
+}
+
+TEST(Asset, KeepsMorphTargetsTheirWeightsAndWhatMovesThem) {
+  const auto read = ReadText(MorphingGlb(), Format::kGlb);
+  ASSERT_THAT(read, IsOk());
+  EXPECT_THAT(read->mesh.dropped_attributes, IsEmpty());
+  EXPECT_THAT(read->mesh.attributes.channels,
+              ElementsAre(AttributeChannel{"NORMAL", 3}, AttributeChannel{"MORPH_0_POSITION", 3},
+                          AttributeChannel{"MORPH_1_POSITION", 3}, AttributeChannel{"MORPH_1_NORMAL", 3}));
+  EXPECT_EQ(read->mesh.attributes.values[5], 5) << "in the node's coordinates";
+  std::vector<std::string> left_out;
+  const absl::StatusOr<std::string> text = FormatAsset(read->mesh, Format::kGltf, read->asset, left_out);
+  ASSERT_THAT(text, IsOk());
+  EXPECT_THAT(left_out, IsEmpty());
+  const nlohmann::json doc = nlohmann::json::parse(*text);
+  const nlohmann::json& mesh = doc["meshes"][0];
+  EXPECT_EQ(mesh["extras"]["targetNames"][1], "all");
+  EXPECT_EQ(mesh["weights"], (std::vector<double>{0.5, 0.25, 0}));
+  EXPECT_EQ(doc["nodes"][0]["weights"], (std::vector<double>{0, 1, 0}));
+  ASSERT_EQ(mesh["primitives"][0]["targets"].size(), 3u);
+  const nlohmann::json& first = doc["accessors"][mesh["primitives"][0]["targets"][0]["POSITION"].get<size_t>()];
+  EXPECT_EQ(first["sparse"]["count"], 1) << "of most corners it says nothing";
+  EXPECT_EQ(first["max"], (std::vector<double>{0, 0, 5}));
+  const nlohmann::json& none = doc["accessors"][mesh["primitives"][0]["targets"][2]["POSITION"].get<size_t>()];
+  EXPECT_EQ(none["min"], none["max"]);
+  EXPECT_EQ(doc["animations"][0]["channels"][0]["target"]["path"], "weights");
+  const auto again = ReadText(*text, Format::kGltf);
+  ASSERT_THAT(again, IsOk());
+  EXPECT_THAT(again->mesh.dropped_attributes, IsEmpty());
+  // The target that does nothing is written as zeros.
+  TriangleMesh same = read->mesh;
+  same = testing::WithChannel(same, "MORPH_2_POSITION", 3,
+                              [](const Vec3&, const Vec3&) { return std::vector<float>(3, 0); });
+  EXPECT_EQ(Faces(again->mesh), Faces(same));
+}
+
+// The weights of all levels are moved together.
+TEST(Asset, MorphsEveryLevelOfDetail) {
+  const auto read = ReadText(MorphingGlb(), Format::kGlb);
+  ASSERT_THAT(read, IsOk());
+  const std::vector<DetailLevel> levels = {{&read->mesh, 0.5}, {&read->mesh, 0}};
+  std::vector<std::string> left_out;
+  const absl::StatusOr<std::string> text = FormatLevels(levels, Format::kGltf, read->asset, left_out);
+  ASSERT_THAT(text, IsOk());
+  EXPECT_THAT(left_out, IsEmpty());
+  const nlohmann::json doc = nlohmann::json::parse(*text);
+  EXPECT_EQ(doc["nodes"][1]["weights"], (std::vector<double>{0, 1, 0}));
+  EXPECT_EQ(doc["meshes"][1]["primitives"][0]["targets"].size(), 3u);
+  const nlohmann::json& channels = doc["animations"][0]["channels"];
+  ASSERT_EQ(channels.size(), 2u);
+  EXPECT_EQ(channels[0]["target"]["node"], 0);
+  EXPECT_EQ(channels[1]["target"]["node"], 1);
+  EXPECT_EQ(channels[1]["sampler"], channels[0]["sampler"]);
+}
+
+// An accessor of another length is none of the primitive's.
+TEST(Asset, SaysWhichMorphTargetsAreLost) {
+  const std::string glb = Replaced(MorphingGlb(), R"("NORMAL":3)", R"("NORMAL":4)");
+  const auto read = ReadText(glb, Format::kGlb);
+  ASSERT_THAT(read, IsOk());
+  EXPECT_THAT(read->mesh.dropped_attributes, ElementsAre("morph_targets"));
+  std::vector<std::string> left_out;
+  ASSERT_THAT(FormatAsset(read->mesh, Format::kObj, read->asset, left_out), IsOk());
+  EXPECT_THAT(left_out, ElementsAre("nodes, textures, animations and skins of the glTF", "morph targets"));
+}
+
+// Whoever has a mesh with morph targets and no file around it gets a glTF that can be moved.
+TEST(Asset, WritesMorphTargetsOfAnyMesh) {
+  const TriangleMesh mesh = testing::WithChannel(Painted(), "MORPH_1_POSITION", 3, [](const Vec3& p, const Vec3&) {
+    return std::vector<float>{0, static_cast<float>(p.z), 0};
+  });
+  std::vector<std::string> left_out;
+  const TriangleMesh back = ThereAndBack(mesh, Format::kGlb, left_out);
+  EXPECT_THAT(left_out, IsEmpty());
+  ASSERT_EQ(back.attributes.channels.size(), mesh.attributes.channels.size() + 1);  // MORPH_0_POSITION: zeros
+  EXPECT_EQ(back.attributes.channels.back(), mesh.attributes.channels.back());
+}
+
 // The node with the mesh moves: what moves it must move every level, so the levels hang below it. The other one stands still.
 TEST(Asset, HangsLevelsOfDetailOnTheNodesOfAGltf) {
   const auto read = ReadText(AnimatedGlb(), Format::kGlb);
@@ -224,12 +337,6 @@ TEST(Asset, GivesLevelsOfDetailTheTransformOfTheirNode) {
   EXPECT_EQ(doc["nodes"][3]["translation"], (std::vector<double>{1, 2, 3}));
   EXPECT_EQ(doc["extensionsUsed"], nlohmann::json::array({"MSFT_lod"}));
   EXPECT_FALSE(FormatLevels(levels, Format::kObj, read->asset, left_out).ok());
-}
-
-std::string Replaced(std::string text, const std::string& what, const std::string& by) {
-  const size_t at = text.find(what);
-  EXPECT_NE(at, std::string::npos) << what;
-  return at == std::string::npos ? text : text.replace(at, what.size(), by);
 }
 
 // Their numbers are of accessors that are gone.

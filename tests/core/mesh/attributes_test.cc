@@ -33,6 +33,26 @@ TEST(AttributeInterpolator, IsLinearForTextureCoordinates) {
   EXPECT_THAT(At(a, 0.25, 0.5), ElementsAre(FloatNear(0.25f, 1e-6f), FloatNear(2, 1e-6f)));
 }
 
+TEST(AttributeInterpolator, IsLinearForWhatMorphTargetsAdd) {
+  const MeshAttributes a = OfOneTriangle({{"MORPH_3_NORMAL", 3}}, {0, 0, 0, 4, 0, 0, 0, 8, 0});
+  EXPECT_THAT(At(a, 0.25, 0.5), ElementsAre(1, 4, 0)) << "neither of unit length nor the surface's";
+}
+
+TEST(MorphName, SaysWhichTargetAddsToWhat) {
+  const auto name = MorphNameOf("MORPH_12_TEXCOORD_1");
+  ASSERT_TRUE(name);
+  EXPECT_EQ(name->target, 12u);
+  EXPECT_EQ(name->attribute, "TEXCOORD_1");
+  EXPECT_EQ(NameOfMorph(12, "TEXCOORD_1"), "MORPH_12_TEXCOORD_1");
+  for (const char* other : {"MORPH_", "MORPH_1", "MORPH_1_", "MORPH__POSITION", "MORPH_x_POSITION", "MORPH_-1_POSITION",
+                            "MORPH_99999999999_POSITION", "morph_1_POSITION"})
+    EXPECT_FALSE(MorphNameOf(other)) << other;
+  EXPECT_THAT(NamesForMessage({{"NORMAL", 3}, {"MORPH_0_POSITION", 3}, {"MORPH_0_NORMAL", 3}, {"a", 1}}),
+              ElementsAre("NORMAL", "morph targets", "a"));
+  EXPECT_THAT(ValidateChannels({{"MORPH_0_TANGENT", 2}}),
+              StatusIs(absl::StatusCode::kInvalidArgument, "must have 3 to"));
+}
+
 TEST(AttributeInterpolator, KeepsNormalsOfUnitLengthAndTakesTheSurfacesWhereFacesAreFlat) {
   const MeshAttributes a = OfOneTriangle({{"NORMAL", 3}}, {1, 0, 0, 0, 1, 0, 0, 0, 1});
   const float third = 1 / std::sqrt(3.0f);
