@@ -1,0 +1,256 @@
+#!/usr/bin/env node
+// Remeshes over gRPC from Node: to use, or to see what a client in any language has to do.
+//
+//   npm ci --prefix client/node
+//   client/node/meshfront_client.mjs HOST:PORT in.ply out.off --rho 0.5
+//
+// or, in a program:
+//
+//   const client = new RemeshClient('127.0.0.1:50051');
+//   const result = await client.remeshMesh(positions, triangles, {options: {rho: 0.5}});
+//   result.positions, result.triangles, result.summary.quality.radiusRatioMedian
+//
+// Arrays are Float64Array and Uint32Array, in and out. Options are those of proto/meshfront/v1/options.proto, in camelCase.
+import crypto from 'node:crypto';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import {fileURLToPath} from 'node:url';
+import {parseArgs} from 'node:util';
+
+import grpc from '@grpc/grpc-js';
+import protoLoader from '@grpc/proto-loader';
+import CRC32C from 'crc-32/crc32c.js';
+
+const BLOCK_BYTES = 1 << 18;
+const MESSAGE_BYTES = 4 << 20; // chunks of up to 1 MiB and what is around them
+
+const protoFolder = process.env.MESHFRONT_PROTO ?? path.resolve(path.dirname(fileURLToPath(import.meta.url)), '../../proto');
+const definition = protoLoader.loadSync('meshfront/v1/remesh_service.proto',
+                                        {includeDirs: [protoFolder], enums: String, longs: Number, oneofs: true, defaults: true});
+const {MeshfrontService} = grpc.loadPackageDefinition(definition).meshfront.v1;
+
+export const crc32c = (bytes, crc = 0) => CRC32C.buf(bytes, crc) >>> 0;
+
+/** The server refused, or the call failed. `code`: one of grpc.status. */
+export class RemeshError extends Error {
+  constructor(error) {
+    super(`${grpc.status[error.code] ?? error.code}: ${error.details ?? error.message}`);
+    this.name = 'RemeshError';
+    this.code = error.code;
+  }
+}
+
+/** What came back is not what was sent: a checksum, a number or a count is wrong. */
+export class DamagedError extends Error {}
+
+/** Calls one server. */
+export class RemeshClient {
+  /** `target`: HOST:PORT. `credentials`: grpc.credentials.createSsl(…) for a server with TLS. */
+  constructor(target, credentials = grpc.credentials.createInsecure()) {
+    this.stub = new MeshfrontService(target, credentials, {'grpc.max_receive_message_length': MESSAGE_BYTES});
+  }
+
+  close() {
+    this.stub.close();
+  }
+
+  /** What the server can do and allows. */
+  capabilities({timeout} = {}) {
+    return new Promise((resolve, reject) => this.stub.getCapabilities(
+      {}, deadlineOf(timeout), (error, response) => error ? reject(new RemeshError(error)) : resolve(response)));
+  }
+
+  /** Remeshes an indexed mesh. The last argument: see call. */
+  remeshMesh(positions, triangles, settings) {
+    expectThrees(positions, Float64Array, 'positions');
+    expectThrees(triangles, Uint32Array, 'triangles');
+    const mesh = {vertexCount: positions.length / 3, triangleCount: triangles.length / 3, scalarType: 'SCALAR_TYPE_FLOAT64'};
+    return this.call({mesh}, [['ARRAY_POSITIONS', bytesOf(positions)], ['ARRAY_TRIANGLES', bytesOf(triangles)]], settings);
+  }
+
+  /** Meshes a point set, with outward normals or with null. The last argument: see call. */
+  remeshPoints(positions, normals, settings) {
+    expectThrees(positions, Float64Array, 'positions');
+    const arrays = [['ARRAY_POSITIONS', bytesOf(positions)]];
+    if (normals) {
+      expectThrees(normals, Float64Array, 'normals');
+      if (normals.length !== positions.length) throw new RangeError(`${normals.length / 3} normals for ${positions.length / 3} points`);
+      arrays.push(['ARRAY_NORMALS', bytesOf(normals)]);
+    }
+    const points = {pointCount: positions.length / 3, scalarType: 'SCALAR_TYPE_FLOAT64', hasNormals: Boolean(normals)};
+    return this.call({points}, arrays, settings);
+  }
+
+  /** Remeshes what is in a file (OFF, OBJ, PLY, STL, GLB, glTF, XYZ), which the server reads. The last argument: see call. */
+  remeshFile(name, data, settings) {
+    return this.call({file: {name: path.basename(name), sizeBytes: data.length}}, [['ARRAY_FILE', data]], settings);
+  }
+
+  /**
+   * Resolves to {positions, triangles, summary, warnings, complete}; where complete is false, summary.openPlaces says where it is not
+   * whole. Rejects with RemeshError, DamagedError, or what onProgress throws; the server ends the job then.
+   *
+   * settings: {options, timeout: seconds, onProgress: (triangles, predictedTriangles) => …, signal: an AbortSignal}
+   */
+  call(header, arrays, {options = {}, timeout, onProgress, signal} = {}) {
+    const stream = this.stub.remesh(deadlineOf(timeout));
+    return new Promise((resolve, reject) => {
+      const collected = new Collected();
+      const fail = (error) => {
+        reject(error);
+        stream.cancel();
+      };
+      signal?.addEventListener('abort', () => stream.cancel(), {once: true});
+      if (signal?.aborted) stream.cancel();
+      stream.on('data', (response) => {
+        try {
+          collected.take(response.event);
+          onProgress?.(collected.triangleCount, collected.predicted);
+        } catch (error) {
+          fail(error);
+        }
+      });
+      stream.on('error', (error) => fail(new RemeshError(error)));
+      stream.on('end', () => {
+        try {
+          resolve(collected.result());
+        } catch (error) {
+          fail(error);
+        }
+      });
+      send(stream, {...header, options, output: {scalarType: 'SCALAR_TYPE_FLOAT64'}}, arrays).catch(fail);
+    });
+  }
+}
+
+function deadlineOf(timeout) {
+  return timeout === undefined ? {} : {deadline: Date.now() + 1000 * timeout};
+}
+
+function expectThrees(array, type, name) {
+  if (!(array instanceof type)) throw new TypeError(`${name} must be a ${type.name}`);
+  if (array.length === 0 || array.length % 3 !== 0) throw new RangeError(`${name} has ${array.length} numbers; it takes three each`);
+}
+
+function bytesOf(array) {
+  if (os.endianness() !== 'LE') throw new Error('arrays are sent as they lie in memory, which has to be little-endian');
+  return Buffer.from(array.buffer, array.byteOffset, array.byteLength);
+}
+
+/** Header, blocks, end: what the server wants, in the order that it wants it; no faster than it reads. */
+async function send(stream, header, arrays) {
+  let ended = false;
+  const over = new Promise((resolve) => stream.once('close', resolve).once('error', resolve).once('end', resolve)).then(() => { ended = true; });
+  const write = async (message) => {
+    if (!ended && !stream.write(message)) await Promise.race([new Promise((resolve) => stream.once('drain', resolve)), over]);
+  };
+  await write({header});
+  const digest = crypto.createHash('sha256');
+  for (const [array, bytes] of arrays) {
+    for (let offset = 0; offset < bytes.length && !ended; offset += BLOCK_BYTES) {
+      const data = bytes.subarray(offset, offset + BLOCK_BYTES);
+      digest.update(data);
+      await write({block: {array, offset, data, crc32c: crc32c(data)}});
+    }
+  }
+  await write({end: {sha256: digest.digest()}});
+  if (!ended) stream.end();
+}
+
+/** What has come back so far. */
+export class Collected {
+  positions = [];
+  triangles = [];
+  warnings = [];
+  vertexCount = 0;
+  triangleCount = 0;
+  predicted = 0;
+  summary = null;
+
+  take(event) {
+    if (event.event === 'chunk') this.takeChunk(event.chunk);
+    else if (event.event === 'progress') this.predicted = event.progress.predictedTriangles;
+    else if (event.event === 'defect') this.warnings.push(event.defect.message);
+    else if (event.event === 'summary') this.summary = event.summary;
+  }
+
+  takeChunk(chunk) {
+    const number = this.positions.length;
+    // All bytes fields, in the order of their numbers.
+    const crc = [chunk.positions, chunk.normals, chunk.indices, chunk.finalised, chunk.wedgeValues, chunk.cornerWedges, chunk.groups]
+      .reduce((sum, bytes) => crc32c(bytes, sum), 0);
+    if (chunk.crc32c !== crc || chunk.sequence !== number || chunk.firstVertex !== this.vertexCount)
+      throw new DamagedError(`chunk ${number} is not what was sent`);
+    if (chunk.positions.length !== 24 * chunk.vertexCount || chunk.indices.length !== 12 * chunk.triangleCount)
+      throw new DamagedError(`chunk ${number} has other arrays than it says`);
+    this.positions.push(chunk.positions);
+    this.triangles.push(chunk.indices);
+    this.vertexCount += chunk.vertexCount;
+    this.triangleCount += chunk.triangleCount;
+  }
+
+  result() {
+    if (!this.summary || this.summary.chunks !== this.positions.length)
+      throw new DamagedError('the stream ended without its summary, or chunks are missing: the mesh is not whole');
+    const joined = (parts) => Uint8Array.from(Buffer.concat(parts)).buffer; // aligned
+    return {
+      positions: new Float64Array(joined(this.positions)),
+      triangles: new Uint32Array(joined(this.triangles)),
+      summary: this.summary,
+      warnings: [...this.warnings, ...this.summary.warnings],
+      complete: this.summary.complete,
+    };
+  }
+}
+
+/** Writes the mesh aside and renames it, so that a file that was there is whole at any time. */
+export function writeOff(file, {positions, triangles}) {
+  const lines = [`OFF\n${positions.length / 3} ${triangles.length / 3} 0`];
+  for (let i = 0; i < positions.length; i += 3) lines.push(`${positions[i]} ${positions[i + 1]} ${positions[i + 2]}`);
+  for (let i = 0; i < triangles.length; i += 3) lines.push(`3 ${triangles[i]} ${triangles[i + 1]} ${triangles[i + 2]}`);
+  fs.writeFileSync(`${file}.part`, `${lines.join('\n')}\n`);
+  fs.renameSync(`${file}.part`, file);
+}
+
+async function main() {
+  const usage = 'usage: meshfront_client.mjs HOST:PORT IN OUT.off [--rho R | --target-triangles N] [--timeout SECONDS]';
+  let values, positionals;
+  try {
+    ({values, positionals} = parseArgs({
+      allowPositionals: true,
+      options: {'rho': {type: 'string'}, 'target-triangles': {type: 'string'}, 'timeout': {type: 'string'}, 'help': {type: 'boolean'}},
+    }));
+  } catch (error) {
+    console.error(`meshfront_client: ${error.message}\n${usage}`);
+    return 2;
+  }
+  if (values.help || positionals.length !== 3) {
+    (values.help ? console.log : console.error)(usage);
+    return values.help ? 0 : 2;
+  }
+  const [server, input, output] = positionals;
+  const options = {};
+  if (values.rho !== undefined) options.rho = Number(values.rho);
+  if (values['target-triangles'] !== undefined) options.targetTriangles = Number(values['target-triangles']);
+  const client = new RemeshClient(server);
+  try {
+    const result = await client.remeshFile(input, fs.readFileSync(input), {
+      options,
+      timeout: values.timeout === undefined ? undefined : Number(values.timeout),
+      onProgress: (triangles, predicted) => process.stderr.isTTY && process.stderr.write(`\r${triangles} of about ${predicted} triangles`),
+    });
+    for (const warning of result.warnings) console.error(`warning: ${warning}`);
+    writeOff(output, result);
+    const {radiusRatioMin, radiusRatioMedian} = result.summary.quality;
+    console.log(`${result.triangles.length / 3} triangles, 2r/R ${radiusRatioMin.toFixed(3)} at least, ${radiusRatioMedian.toFixed(3)} in the middle`);
+    return result.complete ? 0 : 4;
+  } catch (error) {
+    console.error(`meshfront_client: ${error.message}`);
+    return 1;
+  } finally {
+    client.close();
+  }
+}
+
+if (process.argv[1] && fs.realpathSync(process.argv[1]) === fileURLToPath(import.meta.url)) process.exitCode = await main();
