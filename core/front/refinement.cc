@@ -14,9 +14,10 @@
 namespace meshfront {
 namespace {
 
-constexpr double kDetailPerBound = 1.0;  // how far the surface's corners may be from the output
-constexpr double kMaxDetail = 1.0;       // of the triangle's longest side
-constexpr double kFarBeyond = 1.5;       // of the bound: one halved side would not do
+// How far the surface's corners may be from the output, in parts of the bound: where that is certain it is one of the other way.
+constexpr double kDetailPerBound = 1.0, kDetailPerCertainBound = 1.25;
+constexpr double kMaxDetail = 1.0;  // of the triangle's longest side
+constexpr double kFarBeyond = 1.5;  // of the bound: one halved side would not do
 constexpr double kShortestPerGuidance =
     0.0625;  // no shorter edges than this part of what the field asks for: bounds a place
 constexpr double kMinAgreement =
@@ -94,6 +95,7 @@ Deviation Refinement::MeasureCorners(const Corners& corners) {
 void Refinement::MeasureDetails(const Corners& corners, Deviation& deviation) {
   const Vec3 normal = Normalized(
       AreaVector(fronts_.at(corners[0]).position, fronts_.at(corners[1]).position, fronts_.at(corners[2]).position));
+  const double detail_bound = (certain_ ? kDetailPerCertainBound : kDetailPerBound) * max_error_;
   double longest = 0;
   for (int i = 0; i < 3; ++i)
     longest = std::max(longest, Distance(fronts_.at(corners[i]).position, fronts_.at(corners[(i + 1) % 3]).position));
@@ -101,8 +103,7 @@ void Refinement::MeasureDetails(const Corners& corners, Deviation& deviation) {
     if (Dot(far.above.normal, normal) < kMinAgreement) continue;  // of another side, reached around an edge
     const double distance = DistanceToOutput(far.above.position, corners);
     // Beyond the triangle's own size it belongs to another part of the output, which is not looked at here.
-    if (distance <= std::max(kDetailPerBound * max_error_, deviation.largest) || distance > kMaxDetail * longest)
-      continue;
+    if (distance <= std::max(detail_bound, deviation.largest) || distance > kMaxDetail * longest) continue;
     deviation.largest = distance;
     deviation.worst = {far.below, far.above};
     deviation.is_kept = false;
