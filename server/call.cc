@@ -150,7 +150,10 @@ void Call::WriteLogLine(const absl::Status& status) {
   const v1::Summary& summary = job_->summary;
   const bool done = status.ok();
   const SessionStore::Usage sessions = state_.sessions.usage();
+  const double seconds = absl::ToDoubleSeconds(absl::Now() - job_->upload_begin);
   std::lock_guard lock(noted_mutex_);
+  state_.metrics.Note({peer_.rpc, status.code(), seconds, noted_bytes_, done ? summary.output().triangles() : 0});
+  if (done && summary.has_seconds()) state_.metrics.Note(summary.seconds());
   state_.log->Write({{"time", absl::FormatTime(absl::RFC3339_full, absl::Now(), absl::UTCTimeZone())},
                      {"rpc", peer_.rpc},
                      {"job", job_->id},
@@ -167,7 +170,7 @@ void Call::WriteLogLine(const absl::Status& status) {
                                                                  : ""},
                      {"sessions", sessions.sessions},
                      {"session_bytes", sessions.bytes},
-                     {"seconds", absl::ToDoubleSeconds(absl::Now() - job_->upload_begin)}});
+                     {"seconds", seconds}});
 }
 
 }  // namespace meshfront

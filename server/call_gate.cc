@@ -24,6 +24,11 @@ void CallGate::Leave() {
   left_.notify_all();
 }
 
+int CallGate::inside() {
+  std::lock_guard lock(mutex_);
+  return inside_;
+}
+
 void CallGate::Drain() {
   std::lock_guard lock(mutex_);
   draining_ = true;

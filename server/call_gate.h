@@ -15,6 +15,7 @@ class CallGate {
   // Every call that is let in leaves once. Unavailable with RetryInfo while draining.
   absl::Status Enter();
   void Leave();
+  int inside();
   // From now on nobody is let in.
   void Drain();
   // Until everybody has left; false when `timeout` passed before.

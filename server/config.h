@@ -28,6 +28,7 @@ struct SessionLimits {
 
 struct ServerConfig {
   std::string listen = "127.0.0.1:50051";             // port 0: any free one
+  std::string metrics_listen;                         // of the metrics; empty: none
   bool insecure = false;                              // allows an address off loopback without TLS
   int threads = 0;                                    // most of one job; 0 = all cores
   int workers = 0;                                    // jobs at a time; 0 = all cores, at least 2

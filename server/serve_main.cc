@@ -26,7 +26,6 @@ enum ExitCode { kDone = 0, kKilled = 1, kUsage = 2, kUnavailable = 5, kInternal 
 
 struct Flags {
   ServerConfig config;
-  std::string metrics_listen;
   double stall_timeout = 30;
   double keepalive = 30;
   double lame_duck = 0;
@@ -55,7 +54,8 @@ void AddFlags(CLI::App& app, Flags& flags) {
   app.add_option("--listen", config.listen, "Address to listen on; port 0: any free one")
       ->envname("MESHFRONT_LISTEN")
       ->capture_default_str();
-  app.add_option("--metrics-listen", flags.metrics_listen, "Address of the metrics (not yet)")
+  app.add_option("--metrics-listen", flags.config.metrics_listen,
+                 "Address of the metrics, for Prometheus; port 0: any free one; empty: none")
       ->envname("MESHFRONT_METRICS_LISTEN");
   app.add_option("--threads", config.threads, "Most threads of one job; 0: all cores")
       ->envname("MESHFRONT_THREADS")
@@ -117,7 +117,7 @@ void AddFlags(CLI::App& app, Flags& flags) {
 void PrintConfig(const Flags& flags) {
   const ServerConfig& c = flags.config;
   const nlohmann::ordered_json json = {{"listen", c.listen},
-                                       {"metrics_listen", flags.metrics_listen},
+                                       {"metrics_listen", flags.config.metrics_listen},
                                        {"insecure", c.insecure},
                                        {"threads", c.MaxThreads()},
                                        {"workers", c.Workers()},
@@ -183,6 +183,8 @@ int Serve(const ServerConfig& config) {
     return ExitCodeOf(server.status());
   }
   std::fprintf(stderr, "meshfrontd listening on %s\n", (*server)->address().c_str());
+  if (!config.metrics_listen.empty())
+    std::fprintf(stderr, "meshfrontd metrics on http://%s/metrics\n", (*server)->metrics_address().c_str());
   WaitForSignal(signals);
   const absl::Status drained = (*server)->DrainAndShutdown();
   if (drained.ok()) return kDone;
@@ -192,7 +194,8 @@ int Serve(const ServerConfig& config) {
 
 absl::Status CheckAddresses(const Flags& flags) {
   MESHFRONT_RETURN_IF_ERROR(CheckListenAddress("--listen", flags.config.listen));
-  return flags.metrics_listen.empty() ? absl::OkStatus() : CheckListenAddress("--metrics-listen", flags.metrics_listen);
+  return flags.config.metrics_listen.empty() ? absl::OkStatus()
+                                             : CheckListenAddress("--metrics-listen", flags.config.metrics_listen);
 }
 
 int ParseAndServe(int argc, char** argv) {
@@ -207,10 +210,6 @@ int ParseAndServe(int argc, char** argv) {
   flags.Resolve();
   if (const absl::Status checked = CheckAddresses(flags); !checked.ok()) {
     std::fprintf(stderr, "meshfrontd: %s\n", std::string(checked.message()).c_str());
-    return kUsage;
-  }
-  if (!flags.metrics_listen.empty()) {
-    std::fputs("meshfrontd: --metrics-listen is not yet supported\n", stderr);
     return kUsage;
   }
   if (flags.print_config) {

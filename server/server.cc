@@ -42,16 +42,21 @@ void Configure(grpc::ServerBuilder& builder, const ServerConfig& config) {
 // For calls that were cut off to come to their end.
 constexpr auto kCutOffTime = std::chrono::seconds(5);
 
+absl::Status CheckReach(absl::string_view flag, const std::string& address, const ServerConfig& config) {
+  MESHFRONT_RETURN_IF_ERROR(CheckListenAddress(flag, address));
+  if (config.insecure || IsLoopback(address)) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat(
+      flag, " is ", address, ", which other machines reach, and there is no TLS; give --insecure to allow it"));
+}
+
 std::chrono::system_clock::time_point FlushDeadline() { return std::chrono::system_clock::now() + kFlushTime; }
 
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config, Engine engine) {
-  MESHFRONT_RETURN_IF_ERROR(CheckListenAddress("listen", config.listen));
-  if (!config.insecure && !IsLoopback(config.listen)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "listen is ", config.listen, ", which other machines reach, and there is no TLS; give --insecure to allow it"));
-  }
+  MESHFRONT_RETURN_IF_ERROR(CheckReach("listen", config.listen, config));
+  if (!config.metrics_listen.empty())
+    MESHFRONT_RETURN_IF_ERROR(CheckReach("metrics-listen", config.metrics_listen, config));
   auto server = std::unique_ptr<Server>(new Server());
   MESHFRONT_ASSIGN_OR_RETURN(server->service_, Service::Create(config, std::move(engine)));
   server->lame_duck_ = config.lame_duck;
@@ -67,6 +72,9 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
   server->grpc_server_ = builder.BuildAndStart();
   if (server->grpc_server_ == nullptr || port == 0) {
     return absl::UnavailableError(absl::StrCat("can't listen on ", config.listen, "; is the port taken?"));
+  }
+  if (!config.metrics_listen.empty()) {
+    MESHFRONT_ASSIGN_OR_RETURN(server->metrics_address_, server->service_->ServeMetrics(config.metrics_listen));
   }
   const bool has_port = config.listen.rfind("unix", 0) != 0;
   server->address_ =

@@ -24,6 +24,8 @@ class Server {
 
   // "127.0.0.1:41234", with the port it got.
   const std::string& address() const { return address_; }
+  // … of the metrics; empty where they are not served.
+  const std::string& metrics_address() const { return metrics_address_; }
 
   // NOT_SERVING; after the lame duck new calls are Unavailable; waits until all calls have ended, then shuts down.
   // DeadlineExceeded when that took longer than the drain timeout: calls were cut off, some may hang, and this object can't
@@ -35,7 +37,7 @@ class Server {
   bool ShutdownWithin(absl::Duration flush_time);
   void SetHealth(HealthService::ServingStatus status);
 
-  std::string address_;
+  std::string address_, metrics_address_;
   absl::Duration lame_duck_, drain_timeout_;
   // In the order of dependence: the gRPC server goes first.
   std::unique_ptr<Service> service_;

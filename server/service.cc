@@ -16,6 +16,12 @@ std::string ServiceState::NewJobId() {
   return absl::StrCat("j-", absl::Hex(start), "-", ++jobs_);
 }
 
+Metrics::Levels ServiceState::CurrentLevels() {
+  const WorkerPool::Load load = pool.load();
+  const SessionStore::Usage kept = sessions.usage();
+  return {static_cast<uint64_t>(gate.inside()), load.running, load.queued, kept.sessions, kept.bytes};
+}
+
 absl::StatusOr<std::unique_ptr<Service>> Service::Create(const ServerConfig& config, Engine engine) {
   MESHFRONT_ASSIGN_OR_RETURN(std::unique_ptr<JobLog> log, JobLog::Create(config.log));
   return std::unique_ptr<Service>(new Service(config, std::move(engine), std::move(log)));

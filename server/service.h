@@ -30,6 +30,9 @@ class Service final : public v1::MeshfrontService::CallbackService {
                                             const v1::GetCapabilitiesRequest* request,
                                             v1::GetCapabilitiesResponse* response) override;
 
+  // Serves the metrics over HTTP; see Metrics::Listen.
+  absl::StatusOr<std::string> ServeMetrics(const std::string& address) { return state_.metrics.Listen(address); }
+
  private:
   Service(const ServerConfig& config, Engine engine, std::unique_ptr<JobLog> log)
       : state_(config, std::move(engine), std::move(log)) {}

@@ -9,6 +9,7 @@
 #include "server/config.h"
 #include "server/engine.h"
 #include "server/job_log.h"
+#include "server/metrics.h"
 #include "server/pending_bytes.h"
 #include "server/session_store.h"
 #include "server/upload_watch.h"
@@ -24,10 +25,13 @@ struct ServiceState {
         pending(config.limits.max_pending_bytes),
         watch(config.stall_timeout),
         sessions(config.sessions),
+        metrics([this] { return CurrentLevels(); }),
         pool(config.Workers(), config.max_queue) {}
+  ~ServiceState() { metrics.StopListening(); }
 
   // "j-" and a number that begins anew with each server, after what tells servers apart.
   std::string NewJobId();
+  Metrics::Levels CurrentLevels();
 
   const ServerConfig config;
   const Engine engine;
@@ -36,6 +40,7 @@ struct ServiceState {
   PendingBytes pending;
   UploadWatch watch;
   SessionStore sessions;
+  Metrics metrics;
   WorkerPool pool;  // last: its jobs use what is above
 
  private:

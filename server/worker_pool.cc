@@ -58,6 +58,11 @@ absl::StatusOr<WorkerPool::Ticket> WorkerPool::Submit(std::function<void()> job)
   return ticket;
 }
 
+WorkerPool::Load WorkerPool::load() const {
+  std::lock_guard lock(mutex_);
+  return {running_, queue_.size()};
+}
+
 bool WorkerPool::Remove(uint64_t id) {
   std::function<void()> dropped;  // destroyed after the lock: it may own much
   std::lock_guard lock(mutex_);

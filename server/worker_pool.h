@@ -29,6 +29,10 @@ class WorkerPool {
   absl::StatusOr<Ticket> Submit(std::function<void()> job);
   // The same refusal, before anything is uploaded.
   absl::Status CheckRoom() const;
+  struct Load {
+    size_t running = 0, queued = 0;
+  };
+  Load load() const;
   // Takes a job out of the queue; false when it was started already.
   bool Remove(uint64_t id);
 

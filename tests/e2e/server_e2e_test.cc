@@ -1,7 +1,10 @@
 // The server as a process: flags, health, reflection, and how it ends.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
 #include <signal.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <array>
 #include <cstdio>
@@ -19,7 +22,10 @@ namespace {
 using grpc::health::v1::Health;
 using grpc::health::v1::HealthCheckRequest;
 using grpc::health::v1::HealthCheckResponse;
+using ::testing::AllOf;
 using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 // A job of 10 MB of chunks, which runs as long as nobody reads it.
 std::vector<v1::RemeshRequest> LongRequest() {
@@ -35,6 +41,24 @@ grpc::Status AskCapabilities(const ServerProcess& server) {
   grpc::ClientContext context;
   v1::GetCapabilitiesResponse response;
   return server.NewStub()->GetCapabilities(&context, {}, &response);
+}
+
+// What an HTTP server answers to GET.
+std::string HttpGet(const std::string& address, const std::string& path) {
+  const int fd = socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(static_cast<uint16_t>(std::stoi(address.substr(address.rfind(':') + 1))));
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  std::string answer;
+  if (connect(fd, reinterpret_cast<const sockaddr*>(&to), sizeof(to)) == 0) {
+    const std::string request = "GET " + path + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
+    EXPECT_EQ(write(fd, request.data(), request.size()), static_cast<ssize_t>(request.size()));
+    char buffer[4096];
+    for (ssize_t got; (got = read(fd, buffer, sizeof(buffer))) > 0;) answer.append(buffer, static_cast<size_t>(got));
+  }
+  close(fd);
+  return answer;
 }
 
 // What meshfrontd prints with --print-config.
@@ -66,7 +90,7 @@ TEST(ServerProcess, PrintsTheValuesInForceFromFlagsAndTheirEnvironmentTwins) {
 TEST(ServerProcess, RefusesBadFlagsWithExitCodeTwo) {
   const std::vector<std::vector<std::string>> wrong = {{"--nonsense"},
                                                        {"--workers", "many"},
-                                                       {"--metrics-listen", "127.0.0.1:0"},
+                                                       {"--listen", "127.0.0.1:0", "--metrics-listen", "0.0.0.0:0"},
                                                        {"--metrics-listen", "foo"},
                                                        {"--listen", "0.0.0.0:0"},
                                                        {"--listen", "127.0.0.1:99999"},
@@ -85,6 +109,29 @@ TEST(ServerProcess, RefusesBadFlagsWithExitCodeTwo) {
 TEST(ServerProcess, ListensOffLoopbackOnlyWhenToldThatThisIsInsecure) {
   ChildProcess process({MESHFRONTD, "--listen", "0.0.0.0:0", "--insecure"});
   EXPECT_TRUE(process.ReadLineWith("meshfrontd listening on 0.0.0.0:"));
+}
+
+TEST(ServerProcess, TellsPrometheusWhatItHasDone) {
+  ServerProcess server({"--metrics-listen", "127.0.0.1:0"});
+  const std::optional<std::string> line = server.ReadLineWith("meshfrontd metrics on http://");
+  ASSERT_TRUE(line);
+  const size_t begin = line->find("http://") + 7;
+  const std::string address = line->substr(begin, line->find('/', begin) - begin);
+  EXPECT_THAT(HttpGet(address, "/metrics"), AllOf(StartsWith("HTTP/1.1 200"), HasSubstr("\nmeshfront_sessions 0")));
+  const TriangleMesh sphere = testing::Icosphere(2);
+  v1::Header header = HeaderOf(sphere);
+  header.set_keep_session(true);
+  grpc::ClientContext context;
+  const Outcome outcome = Remesh(*server.NewStub(), context, RequestOf(sphere, header));
+  ASSERT_TRUE(outcome.status.ok());
+  const std::string calls = "meshfront_calls_total{code=\"OK\",rpc=\"Remesh\"} 1\n";
+  std::string answer;
+  for (int attempt = 0; attempt < 100 && answer.find(calls) == std::string::npos; ++attempt) {
+    answer = HttpGet(address, "/metrics");  // the call ends in the server after it ended here
+    usleep(20'000);
+  }
+  EXPECT_THAT(answer, AllOf(HasSubstr(calls), HasSubstr("\nmeshfront_sessions 1")));
+  EXPECT_THAT(HttpGet(address, "/else"), StartsWith("HTTP/1.1 404"));
 }
 
 TEST(ServerProcess, SaysThatAPortIsTaken) {
