@@ -127,6 +127,7 @@ absl::StatusOr<Preparation> PreparePoints(Problem problem, const Context& contex
   const RemeshOptions options = problem.options;
   Preparation p;
   p.parameters.options = options;
+  p.most_attempts = problem.most_attempts;
   if (options.surface != SurfaceKind::kMls) p.parameters.options.surface = SurfaceKind::kImls;
   p.input.is_point_set = problem.mesh.IsPointSet();
   Stopwatch watch;

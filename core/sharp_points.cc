@@ -22,6 +22,7 @@
 #include "core/features/creases.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/point_pieces.h"
+#include "core/mesh/self_intersection.h"
 #include "core/mesh/union_find.h"
 
 namespace meshfront {
@@ -30,6 +31,8 @@ namespace {
 constexpr size_t kGrain = 64;
 // The edges of the round mesh in spacings, and its triangles for each point at the most.
 constexpr double kEdgePerSpacing = 1.5, kMostPerPoint = 4;
+// Attempts at the round mesh: where one fails, so do most, and each takes as long as all of the rest.
+constexpr int kMostAttempts = 1;
 // Round edges lie off the sharp ones by at most so many spacings, and corners by as many of these.
 constexpr double kMostOff = 3;
 // Cosine to the round mesh, below which a side is that of another sheet.
@@ -38,6 +41,10 @@ constexpr double kOtherSheet = -0.5;
 constexpr double kCrossedShare = 0.1;
 // Vertices of an island of a side.
 constexpr uint32_t kMostOfIsland = 8;
+// Where the sharp mesh meets itself, of so many pairs of faces, it is made round again so many spacings around, in so many rounds.
+constexpr size_t kMostMeetings = 4096;
+constexpr double kRoundedAround = 4;
+constexpr int kMostRoundings = 3;
 // A vertex that would lie beyond an edge lies so many spacings before it.
 constexpr double kBeforeEdge = 0.1;
 // Crossings lie at least this part of an edge from its ends.
@@ -51,11 +58,15 @@ class Sharpener {
   absl::StatusOr<SharpMesh> Run(const Context& context) {
     MESHFRONT_RETURN_IF_ERROR(FindSides(context));
     DropIslands();
-    FindCrossedEdges();
-    MESHFRONT_RETURN_IF_ERROR(PlaceVertices(context));
-    for (uint32_t f = 0; f < mesh_.triangles.size(); ++f) SplitFace(f);
-    CountCurves();
-    MESHFRONT_RETURN_IF_ERROR(Relax(context));
+    uint64_t rounded = 0;
+    for (int round = 0;; ++round) {
+      MESHFRONT_RETURN_IF_ERROR(Cut(context));
+      MESHFRONT_ASSIGN_OR_RETURN(const SelfIntersections meetings,
+                                 FindSelfIntersections(creased_.mesh, kMostMeetings, context));
+      if (meetings.pairs == 0 || round == kMostRoundings) break;
+      rounded += RoundAround(meetings);
+    }
+    result_.blunt_places += rounded;
     result_.mesh = std::move(creased_.mesh);
     return std::move(result_);
   }
@@ -68,6 +79,8 @@ class Sharpener {
     bool is_blunt = false;
   };
 
+  absl::Status Cut(const Context& context);
+  uint64_t RoundAround(const SelfIntersections& meetings);
   absl::Status FindSides(const Context& context);
   void ChooseSide(uint32_t v);
   bool IsWithin(const PointSide& a, const PointSide& b, const Vec3& place) const;
@@ -96,6 +109,39 @@ class Sharpener {
   CreasedMesh creased_;
   SharpMesh result_;
 };
+
+// The mesh with creases, from the sides that are known.
+absl::Status Sharpener::Cut(const Context& context) {
+  result_ = {}, creased_ = {};
+  new_vertices_.clear();
+  FindCrossedEdges();
+  MESHFRONT_RETURN_IF_ERROR(PlaceVertices(context));
+  for (uint32_t f = 0; f < mesh_.triangles.size(); ++f) SplitFace(f);
+  CountCurves();
+  return Relax(context);
+}
+
+// Around where the mesh meets itself the edges stay round. Returns at how many places.
+uint64_t Sharpener::RoundAround(const SelfIntersections& meetings) {
+  std::vector<Vec3> places;
+  for (const auto& pair : meetings.first_pairs) {
+    Vec3 place;
+    for (const VertexId v : creased_.mesh.triangles[pair.first.index()]) place += creased_.mesh.PositionAt(v) / 3.0;
+    const double reach = kRoundedAround * pieces_.SpacingAt(place);
+    if (std::all_of(places.begin(), places.end(), [&](const Vec3& x) { return Distance(x, place) > reach; }))
+      places.push_back(place);
+  }
+  const PointTree tree(places);
+  for (uint32_t v = 0; v < sides_.size(); ++v) {
+    if (!sides_[v]) continue;
+    const double reach = 2 * kRoundedAround * pieces_.SpacingAt(mesh_.positions[v]);
+    if (tree.FindNearest(mesh_.positions[v], reach * reach, [](uint32_t) { return true; }) == PointTree::kNone)
+      continue;
+    sides_[v].reset();
+    places_[v] = mesh_.positions[v];
+  }
+  return places.size();
+}
 
 // Whether a place on side a is there where a's samples lie, seen from b: an edge between the two has them on one side.
 bool Sharpener::IsWithin(const PointSide& a, const PointSide& b, const Vec3& place) const {
@@ -349,6 +395,7 @@ absl::StatusOr<std::optional<SharpMesh>> MeshSharpPoints(const TriangleMesh& poi
   if (!pieces->HasEdges()) return std::nullopt;
   Problem problem;
   problem.mesh = points;
+  problem.most_attempts = kMostAttempts;
   RemeshOptions& round = problem.options;
   round.surface = options.surface, round.mls_radius = options.mls_radius;
   round.crease_angle = std::nullopt;
