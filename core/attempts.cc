@@ -398,8 +398,8 @@ absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& p, MeshSink& sink, const 
     held.HoldAll();  // the next may be larger, and worse: at most what max_triangles allows
     const bool is_off = CountErrorOf(attempt, wanted) > kCountPromise;
     const bool is_good = attempt.fault_count() == 0 && (!is_off || number >= kMaxForCount);
-    bool goes_on =
-        !is_good && (attempt.front.triangles > 0 || p.points) && number < (p.points ? kMaxForPoints : kMaxAttempts);
+    bool goes_on = !is_good && (attempt.front.triangles > 0 || p.points) &&
+                   number < (p.points ? std::min(kMaxForPoints, p.most_attempts) : kMaxAttempts);
     const double work = static_cast<double>(attempt.front.roll_backs) * static_cast<double>(attempt.front.triangles);
     if (p.region && attempt.fault_count() > 0 &&
         (work > kMostWorkForFiner || (number > 1 && tried > kMostTriedOfRegion && IsInVain(attempt, best))))

@@ -11,6 +11,7 @@
 #include "core/mesh/point_repair.h"
 #include "core/preparation_steps.h"
 #include "core/sampled_mesh.h"
+#include "core/sharp_points.h"
 #include "core/surface/implicit_mls_surface.h"
 #include "core/surface/mls_surface.h"
 
@@ -78,6 +79,42 @@ absl::Status SetPointSurface(std::unique_ptr<MlsSamples> samples, Preparation& p
   return absl::OkStatus();
 }
 
+// Where the points have sharp edges, from a mesh that has them too everything is as for a mesh.
+absl::StatusOr<std::optional<Preparation>> PrepareSharpPoints(const TriangleMesh& points, Preparation& p,
+                                                              const Context& context) {
+  Stopwatch watch;
+  const RemeshOptions& options = p.parameters.options;
+  const auto is_estimate = [](const RepairAction& action) { return action.what == "estimated_normals"; };
+  const bool are_estimated = std::any_of(p.input.repairs.begin(), p.input.repairs.end(), is_estimate);
+  MESHFRONT_ASSIGN_OR_RETURN(std::optional<SharpMesh> sharp,
+                             MeshSharpPoints(points, options, are_estimated, p.warnings, context));
+  if (!sharp) return std::nullopt;
+  Problem problem{std::move(sharp->mesh), options};
+  problem.options.surface = SurfaceKind::kMesh;
+  problem.options.mls_radius = RemeshOptions().mls_radius;
+  problem.options.repair = true;
+  const uint64_t triangles = problem.mesh.triangles.size();
+  const double seconds = watch.Lap();
+  MESHFRONT_ASSIGN_OR_RETURN(Preparation made, Prepare(std::move(problem), context));
+  made.warnings.insert(made.warnings.begin(), p.warnings.begin(), p.warnings.end());
+  made.warnings.push_back(absl::StrCat("creases were found on the point set: ", sharp->curves, " curves that meet at ",
+                                       sharp->corners, " corners; the surface is a mesh of ", triangles,
+                                       " triangles that was made of the points"));
+  if (sharp->blunt_places > 0) {
+    made.warnings.push_back(absl::StrCat("at ", sharp->blunt_places, " places of the creases the pieces of the point ",
+                                         "set do not meet; they stay round there"));
+  }
+  made.input.is_point_set = true;
+  made.input.repairs = std::move(p.input.repairs);
+  made.input.topology.vertices = points.positions.size();
+  made.input.topology.triangles = 0;
+  made.parameters.options.surface = options.surface;
+  made.parameters.options.mls_radius = options.mls_radius;
+  made.parameters.options.repair = options.repair;
+  made.seconds.repair += p.seconds.repair + seconds;
+  return made;
+}
+
 }  // namespace
 
 bool IsMeshedAsPoints(const Problem& problem) {
@@ -90,6 +127,7 @@ absl::StatusOr<Preparation> PreparePoints(Problem problem, const Context& contex
   const RemeshOptions options = problem.options;
   Preparation p;
   p.parameters.options = options;
+  p.most_attempts = problem.most_attempts;
   if (options.surface != SurfaceKind::kMls) p.parameters.options.surface = SurfaceKind::kImls;
   p.input.is_point_set = problem.mesh.IsPointSet();
   Stopwatch watch;
@@ -107,12 +145,18 @@ absl::StatusOr<Preparation> PreparePoints(Problem problem, const Context& contex
     p.warnings.push_back(absl::StrCat("normals were estimated or turned; at ", repaired.undecided_pairs,
                                       " pairs of neighbours it is not clear which side of the surface is outside"));
   }
-  if (options.crease_angle != RemeshOptions().crease_angle)
-    p.warnings.push_back("crease_angle does nothing on point sets yet: their edges are rounded");
-  p.parameters.options.crease_angle = std::nullopt;
+  if (!p.input.is_point_set) {
+    if (options.crease_angle != RemeshOptions().crease_angle)
+      p.warnings.push_back("crease_angle does nothing where a mesh is meshed as a point set: edges are rounded");
+    p.parameters.options.crease_angle = std::nullopt;
+  }
   p.parameters.options.attributes = false;
   SetRadius(repaired.noise, p);
   TriangleMesh& points = repaired.points;
+  if (p.parameters.options.crease_angle) {
+    MESHFRONT_ASSIGN_OR_RETURN(std::optional<Preparation> sharp, PrepareSharpPoints(points, p, context));
+    if (sharp) return *std::move(sharp);
+  }
   p.input.diagonal = BoundingBox(points).Diagonal();
   p.scale = ScaleFor(p.input.diagonal);
   if (p.scale != 1) {

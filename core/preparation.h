@@ -41,7 +41,8 @@ struct Preparation {
   std::vector<SourcePoint> more_seeds;  // of a point set, where a front left samples uncovered
   double parameter = 0;                 // the sizing's: rho, or the error bound or median edge in the surface's scale
   double predicted_triangles = 0;
-  double scale = 1;  // the surface is the input times this power of two
+  int most_attempts = 16;  // of AdvanceInAttempts
+  double scale = 1;        // the surface is the input times this power of two
   StageSeconds seconds;
   std::vector<std::string> warnings;  // of the input
 

@@ -419,10 +419,11 @@ absl::StatusOr<Estimate> EstimateRemesh(Problem problem, const Context& context)
   estimate.error_bound = bound / p.scale;
   estimate.parameters.min_edge /= p.scale;
   estimate.parameters.max_edge /= p.scale;
-  constexpr uint64_t kBytesPerInputTriangle = 200, kBytesPerPoint = 400,
+  constexpr uint64_t kBytesPerInputTriangle = 200, kBytesPerPoint = 400, kBytesPerSharpPoint = 600,
                      kFixedBytes = 32 << 20;  // measured peaks, rounded up
-  estimate.memory_bytes = kFixedBytes + (p.points ? kBytesPerPoint * p.points->samples().samples().size()
-                                                  : kBytesPerInputTriangle * p.input.topology.triangles);
+  estimate.memory_bytes = kFixedBytes + (p.points               ? kBytesPerPoint * p.points->samples().samples().size()
+                                         : p.input.is_point_set ? kBytesPerSharpPoint * p.input.topology.vertices
+                                                                : kBytesPerInputTriangle * p.input.topology.triangles);
   return estimate;
 } catch (const std::exception&) {
   return StatusOfException();

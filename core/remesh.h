@@ -93,6 +93,7 @@ struct Problem {
   // Lines to be kept like creases, whatever crease_angle is: the surface's faces are split along them (features/line_insertion.h). Of a
   // region what lies on faces away from its border, with a warning that says which segments do not. Not for point sets.
   Polylines features;
+  int most_attempts = 16;  // attempts.h makes no more where the mesh is but a means to another
 };
 
 struct InputReport {
