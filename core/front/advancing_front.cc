@@ -30,7 +30,6 @@
 #include "absl/functional/function_ref.h"
 #include "core/base/status_macros.h"
 #include "core/front/agenda.h"
-#include "core/front/closure.h"
 #include "core/front/fence_index.h"
 #include "core/front/front_set.h"
 #include "core/front/local_field.h"
@@ -39,6 +38,7 @@
 #include "core/front/proposer.h"
 #include "core/front/settling_window.h"
 #include "core/front/tolerances.h"
+#include "core/geometry/loop_triangulation.h"
 #include "core/geometry/triangle.h"
 
 namespace meshfront {
