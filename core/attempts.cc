@@ -204,6 +204,7 @@ absl::StatusOr<Attempt> MakeAttempt(const Preparation& p, bool looks_closely, bo
   attempt.parameter = p.parameter;
   attempt.lost_rims = p.lost_rims;
   attempt.lost_places = p.lost_places;
+  attempt.gaps = p.gaps;
   attempt.widened = p.widened;
   attempt.points = p.input.topology;
   attempt.peak_curvature = p.PeakCurvature();

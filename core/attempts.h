@@ -30,6 +30,7 @@ struct Attempt {
   std::vector<SourcePoint> uncovered;  // a place in each of its parts that the mesh does not cover all of
   uint64_t lost_rims = 0;              // its rims that could not be followed
   std::vector<Vec3> lost_places;       // along them
+  GapReport gaps;                      // between them
   double widened = 1;                  // its supports, at the most
   TopologyReport points;               // its parts and rims
   double peak_curvature = 0;

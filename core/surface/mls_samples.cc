@@ -61,6 +61,22 @@ absl::StatusOr<std::unique_ptr<MlsSamples>> MlsSamples::Widened(absl::Span<const
   return Make(positions_, normals, widths, radius_, spacing_neighbours_, context);
 }
 
+absl::StatusOr<std::unique_ptr<MlsSamples>> MlsSamples::With(absl::Span<const Vec3> positions,
+                                                             absl::Span<const Vec3> normals,
+                                                             const Context& context) const {
+  std::vector<Vec3> all = positions_, all_normals;
+  for (const MlsSample& s : samples_) all_normals.push_back(s.normal);
+  std::vector<double> widths = widths_;
+  for (const Vec3& x : positions) {
+    const uint32_t nearest =
+        tree_->FindNearest(x, std::numeric_limits<double>::infinity(), [](uint32_t) { return true; });
+    widths.push_back(widths_[nearest]);
+  }
+  all.insert(all.end(), positions.begin(), positions.end());
+  all_normals.insert(all_normals.end(), normals.begin(), normals.end());
+  return Make(all, all_normals, widths, radius_, spacing_neighbours_, context);
+}
+
 absl::StatusOr<std::unique_ptr<MlsSamples>> MlsSamples::Make(absl::Span<const Vec3> positions,
                                                              absl::Span<const Vec3> normals,
                                                              absl::Span<const double> widths, double radius,

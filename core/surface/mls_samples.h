@@ -41,6 +41,10 @@ class MlsSamples {
   absl::StatusOr<std::unique_ptr<MlsSamples>> Widened(absl::Span<const Vec3> places, double factor, double most,
                                                       const Context& context) const;
 
+  // The same samples and more of them, whose supports are as wide as those of the nearest one.
+  absl::StatusOr<std::unique_ptr<MlsSamples>> With(absl::Span<const Vec3> positions, absl::Span<const Vec3> normals,
+                                                   const Context& context) const;
+
   absl::Span<const MlsSample> samples() const { return samples_; }
   // The part of the surface's area that each stands for, and the distance between samples where they are as dense as
   // there.
