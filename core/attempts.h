@@ -33,6 +33,7 @@ struct Attempt {
   GapReport gaps;                      // between them
   double widened = 1;                  // its supports, at the most
   TopologyReport points;               // its parts and rims
+  double samples_seen = 0;             // about, by all fronts up to this one
   double peak_curvature = 0;
   uint64_t own_components = 0, own_faces = 0;  // of the input, handed on as they came in (own_faces.h)
 
@@ -60,7 +61,7 @@ bool HasOtherTopology(const TopologyReport& output, const TopologyReport& input)
 // of equals the one nearest to the count; components that are wrong in it are the input's own faces (own_faces.h), unless a shortest edge
 // or a region is asked for. Of point sets all are held that fit; they are made again at most five times: with shorter edges once, with
 // wider supports around faults twice, and with wider ones everywhere, at once where the front folded over itself (FrontReport::ran_away),
-// until two in a row have hardly fewer faults. Progress begins anew with each. Changes the preparation.
+// until two in a row have hardly fewer faults, or all have looked at 3e9 samples. Progress begins anew with each. Changes the preparation.
 absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& preparation, MeshSink& sink, const Context& context);
 
 }  // namespace meshfront

@@ -25,6 +25,7 @@
 #include <cstdlib>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <queue>
 
 #include "absl/functional/function_ref.h"
@@ -146,6 +147,7 @@ class AdvancingFront {
   bool RollBack(std::vector<WindowVertexId> around, int rings);
   void SeedAgain(const SourcePoint& seed, uint32_t label);
   void Abandon(const std::vector<FrontEdgeId>& loop);
+  uint64_t CandidateCount() const;
   bool HasRunAway() const;
   void AbandonAll();
   void ReportProgress();
@@ -636,8 +638,12 @@ void AdvancingFront::SeedAgain(const SourcePoint& seed, uint32_t label) {
     ++lost_components_;
 }
 
+uint64_t AdvancingFront::CandidateCount() const {
+  return std::accumulate(proposer_.counts().begin(), proposer_.counts().end(), uint64_t{0});
+}
+
 bool AdvancingFront::HasRunAway() const {
-  if (roll_backs_ > options_.max_roll_backs) return true;
+  if (roll_backs_ > options_.max_roll_backs || CandidateCount() > options_.max_candidates) return true;
   const SettledCounts& counts = window_.counts();
   return options_.max_triangles > 0 &&
          counts.triangles + fronts_.triangle_count() > options_.max_triangles + 2 * counts.insertions;
