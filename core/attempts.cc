@@ -55,6 +55,10 @@ constexpr int kMaxInVain = 2;
 constexpr uint64_t kMostTried = 150000;
 // And beyond so many roll-backs, and triangles, the front is no good: another support is tried before.
 constexpr uint64_t kMaxRollBacksForPoints = 60, kMaxBeyondForPoints = 2000;
+// All attempts at a point set look at about so many samples, which takes 15 to 45 s: those that have a say, for each candidate, and for each
+// triangle as often as for so many. One attempt may always look at so many candidates a triangle; ten to a hundred are usual. Where sheets
+// lie closer than supports are wide the front tries all it can, each time with more samples around: a surface with one side took minutes.
+constexpr double kMostSamplesSeen = 3e9, kCandidatesPerTriangle = 100, kSettlingPerTriangle = 40;
 // Where the front was taken back at place after place all over a large mesh, the ground is rough, and shorter edges make it no better:
 // roll-backs times triangles.
 constexpr double kMostWorkForFiner = 1e7;
@@ -89,8 +93,13 @@ double BoundPerLength(const Preparation& p) {
   return ErrorBoundInForce(p, length, p.PeakCurvature()) / length;
 }
 
-// `passes_sharp_edges`: there are some, and no creases.
-FrontOptions FrontOptionsOf(const Preparation& p, bool passes_sharp_edges) {
+uint64_t MostCandidates(const Preparation& p, double samples_seen) {
+  const double left = (kMostSamplesSeen - samples_seen) / p.points->samples().MeanListLength();
+  return static_cast<uint64_t>(std::max(left, kCandidatesPerTriangle * std::min(p.predicted_triangles, 1e15)));
+}
+
+// `passes_sharp_edges`: there are some, and no creases. `samples_seen`: by the attempts before.
+FrontOptions FrontOptionsOf(const Preparation& p, bool passes_sharp_edges, double samples_seen) {
   const RemeshOptions& o = p.parameters.options;
   const auto predicted = static_cast<uint64_t>(std::min(p.predicted_triangles, 1e18));
   const uint64_t beyond = p.points ? kMaxBeyondForPoints : kMaxBeyondPredicted;
@@ -104,6 +113,7 @@ FrontOptions FrontOptionsOf(const Preparation& p, bool passes_sharp_edges) {
           .predicted_triangles = predicted,
           .max_triangles = most,
           .max_roll_backs = p.points ? kMaxRollBacksForPoints : std::numeric_limits<uint64_t>::max(),
+          .max_candidates = p.points ? MostCandidates(p, samples_seen) : std::numeric_limits<uint64_t>::max(),
           .sweep = LongestAxis(p.Box()),
           .max_error = o.sizing == Sizing::kError ? p.parameter : std::numeric_limits<double>::infinity(),
           .max_insertions = p.parameters.target_triangles > 0 ? kInsertionsForCount * p.predicted_triangles
@@ -198,15 +208,22 @@ void NameWholeComponents(const MeshSurface& surface, std::vector<HeldPiece>& pie
 }
 
 absl::StatusOr<Attempt> MakeAttempt(const Preparation& p, bool looks_closely, bool passes_sharp_edges,
-                                    HoldingSink& held, const Context& context) {
-  const FrontOptions options = FrontOptionsOf(p, passes_sharp_edges);
+                                    double samples_seen, HoldingSink& held, const Context& context) {
+  const FrontOptions options = FrontOptionsOf(p, passes_sharp_edges, samples_seen);
   Attempt attempt;
   MESHFRONT_ASSIGN_OR_RETURN(attempt.front,
                              AdvanceFront(p.any_surface(), *p.field, p.loops, p.seeds, options, held, context));
+  attempt.samples_seen = samples_seen;
+  if (p.points) {
+    double looks = kSettlingPerTriangle * static_cast<double>(attempt.front.triangles);
+    for (const auto& verdict : attempt.front.refusals) looks += static_cast<double>(verdict.second);
+    attempt.samples_seen += looks * p.points->samples().MeanListLength();
+  }
   attempt.parameters = p.parameters;
   attempt.parameter = p.parameter;
   attempt.lost_rims = p.lost_rims;
   attempt.lost_places = p.lost_places;
+  attempt.gaps = p.gaps;
   attempt.widened = p.widened;
   attempt.points = p.input.topology;
   attempt.peak_curvature = p.PeakCurvature();
@@ -317,6 +334,7 @@ class Remedy {
     in_vain_ = static_cast<double>(last.fault_count()) > kWorthGoingOn * fewest_faults_ ? in_vain_ + 1 : 0;
     fewest_faults_ = std::min(fewest_faults_, static_cast<double>(last.fault_count()));
     tried_ += last.front.triangles;
+    if (last.samples_seen > kMostSamplesSeen) return false;
     if (in_vain_ >= kMaxInVain || (tried_ > kMostTried && last.fault_count() > kMostFaults)) return false;
     absl::StatusOr<bool> wider = is_at_places && wider_++ < kWiderAtPlaces
                                      ? WidenSupports(places, kWiderAtPlace, count, p, context)
@@ -387,11 +405,14 @@ absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& p, MeshSink& sink, const 
   HoldingSink held(sink, HeldLimit(p, is_close || is_rough || WasSoup(p)));
   const uint64_t wanted = p.parameters.target_triangles;
   Attempt best;
+  double samples_seen = 0;
   Remedy remedy(p);
   uint64_t tried = 0;  // triangles
   for (int number = 1;; ++number) {
-    MESHFRONT_ASSIGN_OR_RETURN(Attempt attempt, MakeAttempt(p, is_rough || p.region || number > 1,
-                                                            is_rough && remedy.may_keep_creases(), held, context));
+    MESHFRONT_ASSIGN_OR_RETURN(Attempt attempt,
+                               MakeAttempt(p, is_rough || p.region || number > 1, is_rough && remedy.may_keep_creases(),
+                                           samples_seen, held, context));
+    samples_seen = attempt.samples_seen;
     attempt.keeps_creases = remedy.keeps_creases();
     if (held.is_passing()) return attempt;
     tried += attempt.front.triangles;

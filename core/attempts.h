@@ -30,8 +30,10 @@ struct Attempt {
   std::vector<SourcePoint> uncovered;  // a place in each of its parts that the mesh does not cover all of
   uint64_t lost_rims = 0;              // its rims that could not be followed
   std::vector<Vec3> lost_places;       // along them
+  GapReport gaps;                      // between them
   double widened = 1;                  // its supports, at the most
   TopologyReport points;               // its parts and rims
+  double samples_seen = 0;             // about, by all fronts up to this one
   double peak_curvature = 0;
   uint64_t own_components = 0, own_faces = 0;  // of the input, handed on as they came in (own_faces.h)
 
@@ -60,7 +62,7 @@ bool HasOtherTopology(const TopologyReport& output, const TopologyReport& input)
 // or a region is asked for. Of a region there are no more attempts once the front was taken back all over, or 50,000 triangles were made
 // in vain: its faces may stay as they are (region_faults.h). Of point sets all are held that fit; they are made again at most five times: with shorter edges once, with
 // wider supports around faults twice, and with wider ones everywhere, at once where the front folded over itself (FrontReport::ran_away),
-// until two in a row have hardly fewer faults. Progress begins anew with each. Changes the preparation.
+// until two in a row have hardly fewer faults, or all have looked at 3e9 samples. Progress begins anew with each. Changes the preparation.
 absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& preparation, MeshSink& sink, const Context& context);
 
 }  // namespace meshfront

@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/status_macros.h"
 #include "core/features/rim_loops.h"
+#include "core/gap_filling.h"
 #include "core/mesh/point_repair.h"
 #include "core/preparation_steps.h"
 #include "core/sampled_mesh.h"
@@ -23,6 +24,7 @@ constexpr int kLeastOfASurface = 12;
 constexpr double kMostWidened = 16;
 // Radius in parts of how far the points lie off the surface: below, its bumps are those of the noise.
 constexpr double kRadiusPerNoise = 5;
+constexpr int kMostFillings = 3;
 
 absl::Status CheckKind(const Problem& problem) {
   const SurfaceKind kind = problem.options.surface;
@@ -64,14 +66,35 @@ void SetRadius(const PointNoise& noise, Preparation& p) {
   radius = wanted;
 }
 
-absl::Status SetPointSurface(std::unique_ptr<MlsSamples> samples, Preparation& p, const Context& context) {
-  if (p.input.is_point_set) p.input.topology.components = samples->component_count();
-  if (p.parameters.options.surface == SurfaceKind::kMls)
-    p.points = std::make_shared<MlsSurface>(std::move(samples));
-  else
-    p.points = std::make_shared<ImplicitMlsSurface>(std::move(samples));
-  MESHFRONT_RETURN_IF_ERROR(p.points->ComputeCurvature(context));
+std::shared_ptr<PointSurface> MakeSurface(std::unique_ptr<MlsSamples> samples, SurfaceKind kind) {
+  if (kind == SurfaceKind::kMls) return std::make_shared<MlsSurface>(std::move(samples));
+  return std::make_shared<ImplicitMlsSurface>(std::move(samples));
+}
+
+// Adds samples where gaps are, until there are none but those that stay open. A patch may leave a smaller one.
+absl::StatusOr<RimCurves> TraceAndFill(Preparation& p, const Context& context) {
+  const SurfaceKind kind = p.parameters.options.surface;
   MESHFRONT_ASSIGN_OR_RETURN(RimCurves rims, TraceRims(*p.points, context));
+  if (!p.parameters.options.fill_gaps) return rims;
+  const double size = p.parameters.options.fill_gaps->value * p.scale;
+  for (int round = 1;; ++round) {
+    MESHFRONT_ASSIGN_OR_RETURN(GapSamples gaps, FillGaps(*p.points, rims.curves, size, context));
+    p.gaps.left_open = std::move(gaps.left_open);
+    if (round > kMostFillings) p.gaps.left_open.insert(p.gaps.left_open.end(), gaps.places.begin(), gaps.places.end());
+    if (round > kMostFillings || gaps.places.empty()) return rims;
+    MESHFRONT_ASSIGN_OR_RETURN(std::unique_ptr<MlsSamples> samples,
+                               p.points->samples().With(gaps.positions, gaps.normals, context));
+    p.gaps.filled += gaps.places.size();
+    p.points = MakeSurface(std::move(samples), kind);
+    MESHFRONT_ASSIGN_OR_RETURN(rims, TraceRims(*p.points, context));
+  }
+}
+
+absl::Status SetPointSurface(std::unique_ptr<MlsSamples> samples, Preparation& p, const Context& context) {
+  p.points = MakeSurface(std::move(samples), p.parameters.options.surface);
+  MESHFRONT_ASSIGN_OR_RETURN(RimCurves rims, TraceAndFill(p, context));
+  if (p.input.is_point_set) p.input.topology.components = p.points->samples().component_count();
+  MESHFRONT_RETURN_IF_ERROR(p.points->ComputeCurvature(context));
   p.rims = std::move(rims.curves);
   p.lost_rims = rims.lost;
   p.lost_places = std::move(rims.lost_places);
@@ -158,6 +181,8 @@ absl::StatusOr<Preparation> PreparePoints(Problem problem, const Context& contex
     if (sharp) return *std::move(sharp);
   }
   p.input.diagonal = BoundingBox(points).Diagonal();
+  std::optional<Length>& gaps = p.parameters.options.fill_gaps;
+  if (gaps && gaps->relative) gaps = Length{gaps->value * p.input.diagonal, false};
   p.scale = ScaleFor(p.input.diagonal);
   if (p.scale != 1) {
     for (Vec3& x : points.positions) x *= p.scale;

@@ -24,6 +24,7 @@
 #include "core/features/seams.h"
 #include "core/field_builder.h"
 #include "core/guidance/sizing.h"
+#include "core/mesh/hole_filling.h"
 #include "core/mesh/repair_slivers.h"
 #include "core/point_preparation.h"
 #include "core/preparation_steps.h"
@@ -68,6 +69,17 @@ absl::Status Mend(TriangleMesh& mesh, const RemeshOptions& options, InputReport&
   report.repairs = std::move(repaired.actions);
   adjacency = std::move(repaired.adjacency);
   return absl::OkStatus();
+}
+
+// Closes the holes of a mesh up to the size that is in force from here on.
+absl::StatusOr<GapReport> FillGaps(RemeshOptions& options, TriangleMesh& mesh, std::optional<FaceAdjacency>& adjacency,
+                                   const Context& context) {
+  if (!options.fill_gaps) return GapReport();
+  if (!adjacency) adjacency = CreateAdjacency(mesh);
+  Length& size = *options.fill_gaps;
+  if (size.relative) size = {size.value * BoundingBox(mesh, *adjacency).Diagonal(), false};
+  MESHFRONT_ASSIGN_OR_RETURN(FilledHoles holes, FillHoles(size.value, mesh, *adjacency, context));
+  return GapReport{holes.filled, std::move(holes.left_open)};
 }
 
 double Resolve(const std::optional<Length>& length, double diagonal, double scale, double otherwise) {
@@ -314,6 +326,7 @@ absl::Status MendAndChoose(Problem& problem, const std::vector<bool>& left, Prep
     if (problem.prepared) mesh = problem.prepared->Input();
     if (!p.parameters.options.attributes) mesh.attributes = {};
     MESHFRONT_RETURN_IF_ERROR(Mend(mesh, p.parameters.options, p.input, adjacency, context));
+    MESHFRONT_ASSIGN_OR_RETURN(p.gaps, FillGaps(p.parameters.options, mesh, adjacency, context));
     MeasureInput(mesh, adjacency, p);
   }
   if (p.scale != 1) {
@@ -343,6 +356,13 @@ double MaxSagitta(const Preparation& p) {
 
 }  // namespace
 
+void AddGaps(const GapReport& gaps, std::vector<RepairAction>& repairs) {
+  for (const auto& [what, count] :
+       {std::pair{"filled_gaps", gaps.filled}, {"gaps_left_open", uint64_t{gaps.left_open.size()}}}) {
+    if (count > 0) repairs.push_back({what, count});
+  }
+}
+
 double Preparation::PeakCurvature() const {
   if (points) return point_builder->peak_curvature();
   const auto curvatures = surface->vertex_curvatures();
@@ -366,6 +386,11 @@ double ErrorBoundInForce(const Preparation& p, double length, double max_curvatu
 
 absl::StatusOr<RepairResult> RepairInput(TriangleMesh mesh, const RemeshOptions& options, const Context& context) try {
   MESHFRONT_ASSIGN_OR_RETURN(RepairResult result, RepairMesh(std::move(mesh), context));
+  std::optional<FaceAdjacency> adjacency = std::move(result.adjacency);
+  RemeshOptions in_force = options;
+  MESHFRONT_ASSIGN_OR_RETURN(const GapReport gaps, FillGaps(in_force, result.mesh, adjacency, context));
+  AddGaps(gaps, result.actions);
+  result.adjacency = *std::move(adjacency);
   if (!options.repair || !options.crease_angle) return result;
   const double diagonal = BoundingBox(result.mesh).Diagonal(), scale = ScaleFor(diagonal);
   const auto multiply = [&](double factor) {
@@ -420,6 +445,8 @@ absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context, con
     problem.options.rho = std::exchange(problem.options.lod_rhos, {}).front();
   }
   MESHFRONT_RETURN_IF_ERROR(CheckFeatures(problem));
+  if (problem.region && problem.options.fill_gaps)
+    return absl::InvalidArgumentError("options.fill_gaps is set beside options.region; they exclude one another");
   if (!problem.prepared && IsMeshedAsPoints(problem)) return PreparePoints(std::move(problem), context);
   const RemeshOptions options = problem.options;
   Preparation p;
@@ -469,7 +496,7 @@ absl::Status LevelStart::Prepare(double rho, Preparation& p, const Context& cont
   Stopwatch watch;
   p.input = input_, p.parameters = parameters_;
   p.surface = surface_, p.builder = builder_, p.seeds = seeds_;
-  p.lost_rims = lost_rims_, p.lost_places = lost_places_, p.widened = 1;
+  p.lost_rims = lost_rims_, p.lost_places = lost_places_, p.gaps = gaps_, p.widened = 1;
   p.more_seeds.clear();
   if (points_) {
     const SizingLimits limits = p.point_builder->limits();

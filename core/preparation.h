@@ -20,6 +20,12 @@
 
 namespace meshfront {
 
+// Gaps that were closed; of those that should have been, places on the rims of the ones that stay open.
+struct GapReport {
+  uint64_t filled = 0;
+  std::vector<Vec3> left_open;
+};
+
 struct Preparation {
   InputReport input;
   ParametersInForce parameters;
@@ -34,6 +40,7 @@ struct Preparation {
   std::vector<RimCurve> rims;     // of the point set
   uint64_t lost_rims = 0;         // its curves that could not be followed
   std::vector<Vec3> lost_places;  // along them
+  GapReport gaps;                 // in its surface
   double widened = 1;             // the supports of its samples, at the most
   std::optional<GuidanceField> field;
   std::vector<OrientedLoop> loops;
@@ -51,6 +58,9 @@ struct Preparation {
   double PeakCurvature() const;
   Box3 Box() const;
 };
+
+// The rows that say so.
+void AddGaps(const GapReport& gaps, std::vector<RepairAction>& repairs);
 
 // The error bound of eq. 7 for edges of `length` at the parameters in force: with the angle in force, so that a uniform length is
 // bounded by what it is; where the error is held constant, that.
@@ -82,6 +92,7 @@ class LevelStart {
         rims_(p.rims),
         lost_rims_(p.lost_rims),
         lost_places_(p.lost_places),
+        gaps_(p.gaps),
         seeds_(p.seeds) {}
 
   // Surface, seeds and options as they were, with another rho, and the field and the initial fronts for it: those that a problem with
@@ -97,6 +108,7 @@ class LevelStart {
   std::vector<RimCurve> rims_;
   uint64_t lost_rims_;
   std::vector<Vec3> lost_places_;
+  GapReport gaps_;
   std::vector<SourcePoint> seeds_;
 };
 

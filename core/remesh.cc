@@ -174,6 +174,15 @@ void WarnOfFaults(const Attempt& attempt, Report& report) {
   }
 }
 
+void WarnOfGaps(const GapReport& gaps, double scale, Report& report) {
+  if (gaps.left_open.empty()) return;
+  const Vec3 first = gaps.left_open.front() / scale;
+  report.warnings.push_back(absl::StrCat(gaps.left_open.size(), " gaps that are no wider than fill_gaps (",
+                                         report.parameters.options.fill_gaps->value,
+                                         ") stay open, since each patch passes through something; the first is at (",
+                                         first.x, ", ", first.y, ", ", first.z, ")"));
+}
+
 // An empty mesh is no result. The test that refused most says why.
 absl::Status NothingMeshed(const FrontReport& front, double scale) {
   std::string message = "not one triangle could be meshed";
@@ -272,6 +281,7 @@ absl::Status ValidateOptions(const RemeshOptions& o) {
   MESHFRONT_RETURN_IF_ERROR(CheckLength("edge_length", o.edge_length));
   MESHFRONT_RETURN_IF_ERROR(CheckLength("min_edge", o.min_edge));
   MESHFRONT_RETURN_IF_ERROR(CheckLength("max_edge", o.max_edge));
+  MESHFRONT_RETURN_IF_ERROR(CheckLength("fill_gaps", o.fill_gaps));
   MESHFRONT_RETURN_IF_ERROR(CheckLevels(o));
   return CheckSizing(o);
 }
@@ -300,6 +310,7 @@ absl::StatusOr<std::optional<Report>> RemeshPrepared(Preparation& p, MeshSink& s
   p.parameters = attempt.parameters;
   p.parameter = attempt.parameter;
   if (p.points) p.input.topology = attempt.points;
+  AddGaps(attempt.gaps, p.input.repairs);
   const FrontReport& front = attempt.front;
   if (front.triangles == 0) return NothingMeshed(front, p.scale);
   Report report;
@@ -332,6 +343,7 @@ absl::StatusOr<std::optional<Report>> RemeshPrepared(Preparation& p, MeshSink& s
   Scale(p, report);
   WarnOfDeviations(front, p.scale, report);
   WarnOfFaults(attempt, report);
+  WarnOfGaps(attempt.gaps, p.scale, report);
   if (has_other_topology) report.warnings.push_back(OtherTopology(p.input.topology, report.output));
   ReportRegion(p, front, report);
   return report;
@@ -401,6 +413,7 @@ absl::StatusOr<Estimate> EstimateRemesh(Problem problem, const Context& context)
     return absl::InvalidArgumentError("options.lod_rhos has several values; estimate them one by one, by options.rho");
   MESHFRONT_ASSIGN_OR_RETURN(Preparation p, Prepare(std::move(problem), context));
   Estimate estimate;
+  AddGaps(p.gaps, p.input.repairs);
   estimate.input = p.input;
   estimate.parameters = p.parameters;
   estimate.predicted_triangles = static_cast<uint64_t>(std::min(p.predicted_triangles, 1e18));

@@ -64,6 +64,9 @@ struct RemeshOptions {
   SurfaceKind surface = SurfaceKind::kAuto;
   // Of point sets: radius of a sample's weight in local spacings, [2, 16]. At 4 it is larger where the points are noisy.
   double mls_radius = 4;
+  // Gaps in the surface, boundary loops whose diameter is at most this, are closed before meshing: of a mesh its holes, of a point set
+  // the rims where the points end. Not with a region.
+  std::optional<Length> fill_gaps;
   bool repair = true;  // mend the input first, each change reported; false: refuse what would need it
 };
 inline constexpr size_t kMaxLevels = 16;

@@ -107,6 +107,7 @@ absl::StatusOr<SampledMesh> SampleAsPoints(Problem problem, const Context& conte
   result.points = std::move(samples.points);
   for (Vec3& x : result.points.positions) x = x / p.scale;
   result.input = p.input;
+  AddGaps({p.gaps.filled, {}}, result.input.repairs);  // of those left open the samples may close some
   if (welded > 0) result.input.repairs.insert(result.input.repairs.begin(), {"welded_vertices", welded});
   if (inner > 0) result.input.repairs.push_back({"dropped_inner_points", inner});
   result.input.repairs.push_back({"sampled_points", result.points.positions.size()});

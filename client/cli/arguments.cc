@@ -111,7 +111,8 @@ absl::Status CheckValues(const MeshingFlags& flags) {
   for (const auto& [name, length] : {std::pair{"--max-error", &flags.max_error},
                                      {"--edge-length", &flags.edge_length},
                                      {"--min-edge", &flags.min_edge},
-                                     {"--max-edge", &flags.max_edge}}) {
+                                     {"--max-edge", &flags.max_edge},
+                                     {"--fill-gaps", &flags.fill_gaps}}) {
     if (*length) MESHFRONT_RETURN_IF_ERROR(ParseLength(name, **length).status());
   }
   if (flags.target_triangles) {
@@ -223,6 +224,7 @@ absl::Status CheckSizingFlags(const MeshingFlags& flags, v1::Sizing sizing) {
 }
 
 absl::Status CheckBuilt(const MeshingFlags& flags) {
+  if (flags.fill_gaps && flags.region) return Contradiction("--fill-gaps", "--region");
   if (!flags.seed_points.empty()) return NotYet("--seed-point");
   if (flags.region && (flags.surface == "mls" || flags.surface == "imls"))
     return NotYet(absl::StrCat("--region with --surface ", *flags.surface));
@@ -281,6 +283,9 @@ absl::Status FillNumbers(const MeshingFlags& flags, v1::RemeshOptions* options) 
   }
   if (flags.max_edge) {
     MESHFRONT_ASSIGN_OR_RETURN(*options->mutable_max_edge(), ParseLength("--max-edge", *flags.max_edge));
+  }
+  if (flags.fill_gaps) {
+    MESHFRONT_ASSIGN_OR_RETURN(*options->mutable_fill_gaps(), ParseLength("--fill-gaps", *flags.fill_gaps));
   }
   if (flags.threads) {
     constexpr uint32_t most = 1024;

@@ -17,7 +17,7 @@ namespace meshfront {
 struct MeshingFlags {
   using Text = std::optional<std::string>;
   Text rho, lod, eta, max_error, sizing, target_triangles, edge_length, min_edge, max_edge;
-  Text crease_angle, features, attributes, region, blend, surface, mls_radius;
+  Text crease_angle, features, attributes, region, blend, surface, mls_radius, fill_gaps;
   std::vector<std::string> seed_points;
   Text flips, smooth, fit, threads, repair;
 };

@@ -57,6 +57,10 @@ void AddMeshingFlags(CLI::App* command, MeshingFlags* flags) {
   command->add_option("--blend", flags->blend,
                       "width of the size transition at the region's border, in edges of the border [8]");
   command->add_option("--mls-radius", flags->mls_radius, "radius of a point's weight in local spacings, 2 to 16 [4]");
+  command->add_option(
+      "--fill-gaps", flags->fill_gaps,
+      "close gaps before meshing, holes of a mesh or rims of a point set: boundary loops of at most this "
+      "diameter, absolute or % of the diagonal [none]");
   command->add_option("--seed-point", flags->seed_points, "a point near an intersection curve (not yet)");
 }
 

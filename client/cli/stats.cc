@@ -71,6 +71,7 @@ Json ParametersJson(const v1::ParametersInForce& parameters) {
           {"attributes", o.attributes() == v1::ATTRIBUTE_POLICY_KEEP ? "keep" : "drop"},
           {"surface", SurfaceName(o.surface())},
           {"mls_radius", IsOfPoints(o.surface()) ? Json(o.mls_radius()) : Json(nullptr)},
+          {"fill_gaps", LengthJson(o.has_fill_gaps(), o.fill_gaps())},
           {"blend", o.blend()}};
 }
 

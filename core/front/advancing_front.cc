@@ -25,12 +25,12 @@
 #include <cstdlib>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <queue>
 
 #include "absl/functional/function_ref.h"
 #include "core/base/status_macros.h"
 #include "core/front/agenda.h"
-#include "core/front/closure.h"
 #include "core/front/fence_index.h"
 #include "core/front/front_set.h"
 #include "core/front/local_field.h"
@@ -39,6 +39,7 @@
 #include "core/front/proposer.h"
 #include "core/front/settling_window.h"
 #include "core/front/tolerances.h"
+#include "core/geometry/loop_triangulation.h"
 #include "core/geometry/triangle.h"
 
 namespace meshfront {
@@ -147,6 +148,7 @@ class AdvancingFront {
   bool RollBack(std::vector<WindowVertexId> around, int rings);
   void SeedAgain(const SourcePoint& seed, uint32_t label);
   void Abandon(const std::vector<FrontEdgeId>& loop);
+  uint64_t CandidateCount() const;
   bool HasRunAway() const;
   void AbandonAll();
   void ReportProgress();
@@ -637,8 +639,12 @@ void AdvancingFront::SeedAgain(const SourcePoint& seed, uint32_t label) {
     ++lost_components_;
 }
 
+uint64_t AdvancingFront::CandidateCount() const {
+  return std::accumulate(proposer_.counts().begin(), proposer_.counts().end(), uint64_t{0});
+}
+
 bool AdvancingFront::HasRunAway() const {
-  if (roll_backs_ > options_.max_roll_backs) return true;
+  if (roll_backs_ > options_.max_roll_backs || CandidateCount() > options_.max_candidates) return true;
   const SettledCounts& counts = window_.counts();
   return options_.max_triangles > 0 &&
          counts.triangles + fronts_.triangle_count() > options_.max_triangles + 2 * counts.insertions;

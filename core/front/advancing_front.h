@@ -31,6 +31,8 @@ struct FrontOptions {
   uint64_t max_triangles = 0;
   // The same of places where the front was taken back.
   uint64_t max_roll_backs = std::numeric_limits<uint64_t>::max();
+  // The same of candidates that were looked at.
+  uint64_t max_candidates = std::numeric_limits<uint64_t>::max();
   Vec3 sweep{
       1, 0,
       0};  // the direction in which the working areas follow each other; best the one in which the surface is longest
@@ -47,7 +49,7 @@ struct FrontReport {
   uint64_t flips = 0;
   uint64_t peak_front_edges = 0;
   uint64_t roll_backs = 0;  // places where the front was taken back and advanced again at finer steps
-  bool ran_away = false;    // stopped by max_triangles or max_roll_backs
+  bool ran_away = false;    // stopped by max_triangles, max_roll_backs or max_candidates
   uint64_t components = 0;  // of the output
   uint64_t boundary_edges = 0, boundary_loops = 0;
   uint64_t pinched_vertices = 0;  // where open places meet each other or the rim: their triangles are not one fan

@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "core/front/closure.h"
 #include "core/front/proposer.h"
+#include "core/geometry/loop_triangulation.h"
 
 namespace meshfront {
 

@@ -10,10 +10,10 @@
 #include "absl/status/status.h"
 #include "core/base/context.h"
 #include "core/front/audit.h"
-#include "core/front/closure.h"
 #include "core/front/front_set.h"
 #include "core/front/insertion_budget.h"
 #include "core/front/refinement.h"
+#include "core/geometry/loop_triangulation.h"
 #include "core/mesh/mesh_sink.h"
 #include "core/mesh/quality.h"
 

@@ -32,6 +32,9 @@ namespace meshfront {
 // and, by RepairInput (remesh.h), at slivers whose sides would be taken for creases (repair_slivers.h):
 //   flipped_caps                  a long side was turned into the triangle across
 //   collapsed_needles             a short side went, with the two faces beside it
+// and, where gaps are to be filled:
+//   filled_gaps                   holes, or rims of a point set, that a patch closes
+//   gaps_left_open                of that size, but every patch would have passed through something
 struct RepairAction {
   std::string what;
   uint64_t count = 0;

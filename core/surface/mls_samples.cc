@@ -61,6 +61,22 @@ absl::StatusOr<std::unique_ptr<MlsSamples>> MlsSamples::Widened(absl::Span<const
   return Make(positions_, normals, widths, radius_, spacing_neighbours_, context);
 }
 
+absl::StatusOr<std::unique_ptr<MlsSamples>> MlsSamples::With(absl::Span<const Vec3> positions,
+                                                             absl::Span<const Vec3> normals,
+                                                             const Context& context) const {
+  std::vector<Vec3> all = positions_, all_normals;
+  for (const MlsSample& s : samples_) all_normals.push_back(s.normal);
+  std::vector<double> widths = widths_;
+  for (const Vec3& x : positions) {
+    const uint32_t nearest =
+        tree_->FindNearest(x, std::numeric_limits<double>::infinity(), [](uint32_t) { return true; });
+    widths.push_back(widths_[nearest]);
+  }
+  all.insert(all.end(), positions.begin(), positions.end());
+  all_normals.insert(all_normals.end(), normals.begin(), normals.end());
+  return Make(all, all_normals, widths, radius_, spacing_neighbours_, context);
+}
+
 absl::StatusOr<std::unique_ptr<MlsSamples>> MlsSamples::Make(absl::Span<const Vec3> positions,
                                                              absl::Span<const Vec3> normals,
                                                              absl::Span<const double> widths, double radius,
@@ -265,18 +281,22 @@ absl::Span<const uint32_t> MlsSamples::ListOf(uint32_t patch) const {
   return {lists_.data() + patches_[patch].first_listed, patches_[patch].listed_count};
 }
 
-uint32_t MlsSamples::NearestLike(const Vec3& x, const Vec3& normal) const {
-  return tree_->FindNearest(x, std::numeric_limits<double>::infinity(), [&](uint32_t i) {
+uint32_t MlsSamples::NearestLike(const Vec3& x, const Vec3& normal, double limit) const {
+  return tree_->FindNearest(x, limit * limit, [&](uint32_t i) {
     return components_[i] != kStray && Dot(samples_[i].normal, normal) > kLikeNormal;
   });
 }
 
 uint32_t MlsSamples::PatchNear(const Vec3& x, const Vec3& normal, uint32_t patch) const {
+  double limit = std::numeric_limits<double>::infinity();
   if (patch < patches_.size()) {
     const Patch& p = patches_[patch];
-    if (p.box.SquaredDistanceTo(x) <= p.margin * p.margin && Dot(p.normal, normal) > kLikeNormal) return patch;
+    const bool is_like = Dot(p.normal, normal) > kLikeNormal;
+    const double distance2 = p.box.SquaredDistanceTo(x);
+    if (distance2 <= p.margin * p.margin && is_like) return patch;
+    limit = kFarthestPatch * (std::sqrt(distance2) + p.box.Diagonal() + p.margin / kPatchMargin);
   }
-  const uint32_t nearest = NearestLike(x, normal);
+  const uint32_t nearest = NearestLike(x, normal, limit);
   if (nearest != PointTree::kNone) return patch_of_[nearest];
   return patch < patches_.size() ? patch : 0;
 }

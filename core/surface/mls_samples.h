@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -41,6 +42,10 @@ class MlsSamples {
   absl::StatusOr<std::unique_ptr<MlsSamples>> Widened(absl::Span<const Vec3> places, double factor, double most,
                                                       const Context& context) const;
 
+  // The same samples and more of them, whose supports are as wide as those of the nearest one.
+  absl::StatusOr<std::unique_ptr<MlsSamples>> With(absl::Span<const Vec3> positions, absl::Span<const Vec3> normals,
+                                                   const Context& context) const;
+
   absl::Span<const MlsSample> samples() const { return samples_; }
   // The part of the surface's area that each stands for, and the distance between samples where they are as dense as
   // there.
@@ -54,11 +59,13 @@ class MlsSamples {
   absl::Span<const uint32_t> MembersOf(
       uint32_t patch) const;  // the first is the one whose normal the others agree with
   absl::Span<const uint32_t> ListOf(uint32_t patch) const;
+  // Samples that have a say at a place, on average.
+  double MeanListLength() const { return static_cast<double>(lists_.size()) / static_cast<double>(patches_.size()); }
   // The patch to ask at x: `patch` where x is within its margin, else that of the nearest sample whose normal agrees
-  // with `normal`.
+  // with `normal`, or `patch` again where that is much farther away.
   uint32_t PatchNear(const Vec3& x, const Vec3& normal, uint32_t patch) const;
-  // The nearest sample whose normal agrees with `normal`; PointTree::kNone when none does.
-  uint32_t NearestLike(const Vec3& x, const Vec3& normal) const;
+  // The nearest sample closer than `limit` whose normal agrees with `normal`; PointTree::kNone when none does.
+  uint32_t NearestLike(const Vec3& x, const Vec3& normal, double limit = std::numeric_limits<double>::infinity()) const;
   // The distance to the nearest sample whose normal points the other way, below `limit`; else +infinity.
   double DistanceToOpposed(uint32_t sample, double limit) const;
 

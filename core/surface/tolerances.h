@@ -69,6 +69,9 @@ inline constexpr double kMostPerAverage = 2.0;
 // that a place with some normal may belong to; and how far a patch answers for around its samples, in parts of their supports.
 inline constexpr size_t kLeastMlsSamples = 4, kSpacingNeighbours = 12, kLeastComponent = 12;
 inline constexpr double kSamePatch = 0.5, kLikeNormal = 0.0, kPatchMargin = 0.25;
+// And how much farther than that patch, and a support, another one may be where a place is not its own: in a soup whose normals disagree the
+// search for one that agrees went through all samples.
+inline constexpr double kFarthestPatch = 2;
 // Neighbours are on one sheet when the cosine between their normals is above this (an edge of 32° between its faces still is one), and
 // opposed samples belong together when the way from one to the other is at most so many supports long.
 inline constexpr double kLinked = -0.85, kMostWayPerSupport = 1.5;

@@ -175,6 +175,9 @@ absl::StatusOr<RemeshOptions> ToCore(const v1::RemeshOptions& proto) {
   if (proto.has_crease()) {
     MESHFRONT_ASSIGN_OR_RETURN(o.crease_angle, CreaseFromProto(proto.crease()));
   }
+  if (proto.has_fill_gaps()) {
+    MESHFRONT_ASSIGN_OR_RETURN(o.fill_gaps, LengthFromProto(proto.fill_gaps(), "options.fill_gaps"));
+  }
   if (proto.has_blend()) o.blend = proto.blend();
   o.surface = SurfaceFromProto(proto.surface());
   if (proto.has_mls_radius()) o.mls_radius = proto.mls_radius();
@@ -200,8 +203,11 @@ absl::StatusOr<RemeshOptions> OptionsFromProto(const v1::RemeshOptions& proto) {
 absl::StatusOr<std::optional<Region>> RegionFromProto(const v1::RemeshOptions& proto) {
   if (!proto.has_region()) return std::nullopt;
   const v1::Region& shape = proto.region();
-  if (!proto.lod_rhos().empty()) {
-    return absl::InvalidArgumentError("options.region is set beside options.lod_rhos; they exclude one another");
+  for (const auto& [is_set, field] :
+       {std::pair{!proto.lod_rhos().empty(), "lod_rhos"}, {proto.has_fill_gaps(), "fill_gaps"}}) {
+    if (!is_set) continue;
+    return absl::InvalidArgumentError(
+        absl::StrCat("options.region is set beside options.", field, "; they exclude one another"));
   }
   Region region;
   region.patch_only = shape.patch_only();
@@ -239,6 +245,7 @@ v1::RemeshOptions OptionsToProto(const RemeshOptions& o) {
     proto.mutable_crease()->set_angle_degrees(*o.crease_angle);
   else
     proto.mutable_crease()->set_off(true);
+  if (o.fill_gaps) *proto.mutable_fill_gaps() = LengthToProto(*o.fill_gaps);
   proto.set_attributes(o.attributes ? v1::ATTRIBUTE_POLICY_KEEP : v1::ATTRIBUTE_POLICY_DROP);
   proto.set_blend(o.blend);
   proto.set_surface(SurfaceToProto(o.surface));

@@ -6,8 +6,8 @@
 
 #include "benchmark/benchmark.h"
 #include "core/front/advancing_front.h"
-#include "core/front/closure.h"
 #include "core/front/fence_index.h"
+#include "core/geometry/loop_triangulation.h"
 #include "tests/benchmarks/subjects.h"
 #include "tests/core/front/fake_surfaces.h"
 

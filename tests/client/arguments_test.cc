@@ -145,6 +145,15 @@ TEST(MeshingFlags, CarryTheSurfaceOfAPointSet) {
   EXPECT_EQ(ParseMeshingFlags({.surface = "mls"})->surface(), v1::SURFACE_TYPE_MLS);
 }
 
+TEST(MeshingFlags, GapsAreFilledUpToALength) {
+  EXPECT_EQ(ParseMeshingFlags({.fill_gaps = "0.25"})->fill_gaps().absolute(), 0.25);
+  EXPECT_DOUBLE_EQ(ParseMeshingFlags({.fill_gaps = "5%"})->fill_gaps().diagonal_fraction(), 0.05);
+  EXPECT_FALSE(ParseMeshingFlags({})->has_fill_gaps());
+  EXPECT_THAT(Parse({.fill_gaps = "0"}), StatusIs(kInvalid, "--fill-gaps is 0"));
+  EXPECT_THAT(Parse({.fill_gaps = "wide"}), StatusIs(kInvalid, "--fill-gaps"));
+  EXPECT_THAT(Parse({.region = "sphere:0,0,0,1", .fill_gaps = "1"}), StatusIs(kInvalid, "--fill-gaps and --region"));
+}
+
 TEST(MeshingFlags, ACreaseAngleIsDegrees) {
   EXPECT_EQ(ParseMeshingFlags({.crease_angle = "25.5"})->crease().angle_degrees(), 25.5);
   EXPECT_THAT(Parse({.crease_angle = "180"}), StatusIs(kInvalid, "--crease-angle is 180"));

@@ -37,13 +37,17 @@ TEST_F(Program, ExplainsItselfWhenAsked) {
   EXPECT_EQ(Run({"--help"}).exit_code, 0);
   const Outcome outcome = Run({"remesh", "--help"});
   EXPECT_EQ(outcome.exit_code, 0);
-  for (const char* flag : {"--server",           "--rho",         "--eta",      "--max-error", "--sizing",
-                           "--target-triangles", "--edge-length", "--min-edge", "--max-edge",  "--crease-angle",
-                           "--features",         "--attributes",  "--region",   "--blend",     "--surface",
-                           "--mls-radius",       "--seed-point",  "--flips",    "--smooth",    "--fit",
-                           "--threads",          "--repair",      "--stats",    "--trace",     "--picture",
-                           "--write-repaired",   "--patch-only",  "--removed",  "--timeout",   "--quiet",
-                           "--in-format",        "--out-format"}) {
+  for (const char* flag : {"--server",       "--rho",       "--eta",
+                           "--max-error",    "--sizing",    "--target-triangles",
+                           "--edge-length",  "--min-edge",  "--max-edge",
+                           "--crease-angle", "--features",  "--attributes",
+                           "--region",       "--blend",     "--surface",
+                           "--mls-radius",   "--fill-gaps", "--seed-point",
+                           "--flips",        "--smooth",    "--fit",
+                           "--threads",      "--repair",    "--stats",
+                           "--trace",        "--picture",   "--write-repaired",
+                           "--patch-only",   "--removed",   "--timeout",
+                           "--quiet",        "--in-format", "--out-format"}) {
     EXPECT_THAT(outcome.out, HasSubstr(flag));
   }
 }

@@ -93,6 +93,18 @@ TEST(OptionsFromProto, CarriesTheSurfaceOfAPointSetBothWays) {
   EXPECT_EQ(OptionsFromProto(proto).status().code(), absl::StatusCode::kInvalidArgument);
 }
 
+TEST(OptionsFromProto, CarriesTheSizeOfGapsBothWays) {
+  v1::RemeshOptions proto;
+  EXPECT_EQ(OptionsFromProto(proto)->fill_gaps, std::nullopt);
+  EXPECT_FALSE(OptionsToProto(RemeshOptions()).has_fill_gaps());
+  proto.mutable_fill_gaps()->set_diagonal_fraction(0.25);
+  EXPECT_EQ(OptionsToProto(*OptionsFromProto(proto)).fill_gaps().diagonal_fraction(), 0.25);
+  proto.mutable_region()->mutable_sphere()->set_radius(1);
+  EXPECT_THAT(std::string(RegionFromProto(proto).status().message()), HasSubstr("options.fill_gaps"));
+  proto.mutable_fill_gaps()->set_absolute(-1);
+  EXPECT_THAT(std::string(OptionsFromProto(proto).status().message()), HasSubstr("options.fill_gaps is -1"));
+}
+
 TEST(OptionsFromProto, RefusesWhatIsNotBuiltYetByItsPath) {
   std::vector<v1::RemeshOptions> cases(1);
   cases[0].mutable_region()->mutable_box(), cases[0].set_surface(v1::SURFACE_TYPE_MLS);

@@ -523,6 +523,18 @@ TEST(AdvanceFront, StopsAndSaysWhereItIsOpenBeyondTheLimitOfTriangles) {
   EXPECT_EQ(run.sink.mesh().triangles.size(), run.report->triangles);
 }
 
+TEST(AdvanceFront, StopsAndSaysWhereItIsOpenBeyondTheLimitOfCandidates) {
+  const TorusSurface torus(2, 0.7);
+  Outcome run;
+  FrontOptions options;
+  options.max_candidates = 1000;
+  run.report = AdvanceFront(torus, Uniform(0.1), {}, {torus.Project({2.7, 0, 0}, 0)}, options, run.sink, {});
+  ASSERT_THAT(run.report, IsOk());
+  EXPECT_TRUE(run.report->ran_away);
+  EXPECT_THAT(run.report->open_places, Not(IsEmpty()));
+  EXPECT_LT(run.report->triangles, 3000u) << "at most a working area more";
+}
+
 TEST(AdvanceFront, ReportsASeedThatFindsNoTriangle) {
   class Bare : public SphereSurface {
     std::optional<SourcePoint> FindApex(const SourcePoint&, const SourcePoint&, double, double) const override {

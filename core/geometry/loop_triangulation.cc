@@ -1,4 +1,4 @@
-#include "core/front/closure.h"
+#include "core/geometry/loop_triangulation.h"
 
 #include <limits>
 

@@ -1,12 +1,10 @@
-// Closing a loop on which no edge finds an acceptable triangle: a minimum-weight triangulation of the loop.
+// A minimum-weight triangulation of a loop.
 #pragma once
 
 #include <array>
 #include <functional>
 #include <optional>
 #include <vector>
-
-#include "core/front/front_set.h"
 
 namespace meshfront {
 

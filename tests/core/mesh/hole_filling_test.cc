@@ -1,0 +1,97 @@
+#include "core/mesh/hole_filling.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <vector>
+
+#include "core/mesh/hole_patch.h"
+#include "core/mesh/topology.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tests/support/matchers.h"
+#include "tests/support/shapes.h"
+
+namespace meshfront::testing {
+namespace {
+
+FilledHoles Filled(TriangleMesh& mesh, double size) {
+  FaceAdjacency adjacency = CreateAdjacency(mesh);
+  const absl::StatusOr<FilledHoles> result = FillHoles(size, mesh, adjacency, Context{});
+  EXPECT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(adjacency.opposite.size(), mesh.triangles.size());
+  return result.ok() ? *result : FilledHoles();
+}
+
+// A unit sphere without what lies within `radius` of its pole.
+TriangleMesh SphereWithHole(double radius) {
+  return Clipped(Icosphere(4), [=](const Vec3& x) { return radius - Distance(x, {0, 0, 1}); });
+}
+
+TEST(FillHoles, GoesOnAsTheSurfaceDoes) {
+  for (const double radius : {0.15, 0.4, 0.8}) {
+    TriangleMesh mesh = SphereWithHole(radius);
+    const size_t before = mesh.positions.size();
+    const FilledHoles holes = Filled(mesh, 2 * radius);
+    EXPECT_EQ(holes.filled, 1u) << radius;
+    EXPECT_THAT(holes.left_open, ::testing::IsEmpty());
+    EXPECT_THAT(mesh, IsClosedManifold()) << radius;
+    EXPECT_THAT(mesh, HasNoSelfIntersection()) << radius;
+    double farthest = 0;
+    for (size_t v = before; v < mesh.positions.size(); ++v)
+      farthest = std::max(farthest, std::abs(Norm(mesh.positions[v]) - 1));
+    EXPECT_LE(farthest, 0.15 * radius * radius + 0.003) << radius;  // a flat one is up to half of radius² away
+  }
+}
+
+// Loops whose triangles would be those that are there, or edges a second time.
+TEST(FillHoles, LeavesLoopsOpenThatHaveNoPatch) {
+  TriangleMesh triangle;
+  triangle.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  triangle.triangles = {{VertexId(0), VertexId(1), VertexId(2)}};
+  EXPECT_THAT(Filled(triangle, 9).left_open, ::testing::SizeIs(1));
+  TriangleMesh sheet = Sheet(4);
+  EXPECT_THAT(Filled(sheet, 9).left_open, ::testing::SizeIs(1));
+  EXPECT_EQ(sheet.triangles.size(), 32u);
+}
+
+TEST(FillHoles, TakesTheDiameterOfALoopForItsSize) {
+  const TriangleMesh sheet = WithoutUnreferenced(Clipped(Sheet(40), [](const Vec3& x) {
+    return std::min(0.3 - std::abs(x.x + x.y), 0.05 - std::abs(x.x - x.y));  // a slot along a diagonal
+  }));
+  TriangleMesh smaller = sheet, larger = sheet;
+  EXPECT_EQ(Filled(smaller, 0.40).filled, 0u);
+  EXPECT_EQ(Filled(larger, 0.44).filled, 1u);
+  EXPECT_THAT(larger, HasBoundaryLoops(1));
+}
+
+TEST(FillHoles, ClosesLongAndRaggedLoopsAndManyOfThem) {
+  TriangleMesh wavy = Clipped(UvSphere(400, 200), [](const Vec3& x) {
+    return 0.5 + 0.05 * std::sin(12 * std::atan2(x.y, x.x)) - Distance(x, {0, 0, 1});
+  });
+  EXPECT_EQ(Filled(wavy, 1.2).filled, 1u);  // some 400 edges
+  EXPECT_THAT(wavy, IsClosedManifold());
+  EXPECT_THAT(wavy, HasNoSelfIntersection());
+  TriangleMesh pierced = Icosphere(4);
+  std::vector<bool> dropped(pierced.triangles.size()), is_used(pierced.positions.size());
+  for (size_t f = 0; f < dropped.size(); f += 41) {
+    const Triangle& t = pierced.triangles[f];
+    dropped[f] = std::none_of(t.begin(), t.end(), [&](VertexId v) { return is_used[v.index()]; });
+    for (const VertexId v : t) is_used[v.index()] = true;
+  }
+  DropTriangles(pierced, dropped);
+  EXPECT_GE(Filled(pierced, 0.3).filled, 100u);
+  EXPECT_THAT(pierced, IsClosedManifold());
+}
+
+TEST(FillHoles, HoldsOnWhereTheContextStops) {
+  TriangleMesh mesh = SphereWithHole(0.4);
+  FaceAdjacency adjacency = CreateAdjacency(mesh);
+  const std::atomic<bool> stop = true;
+  Context context;
+  context.stop = &stop;
+  EXPECT_FALSE(FillHoles(9, mesh, adjacency, context).ok());
+}
+
+}  // namespace
+}  // namespace meshfront::testing

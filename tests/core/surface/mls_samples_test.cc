@@ -1,0 +1,43 @@
+#include "core/surface/mls_samples.h"
+
+#include <algorithm>
+
+#include "gtest/gtest.h"
+#include "tests/support/matchers.h"
+#include "tests/support/shapes.h"
+
+namespace meshfront::testing {
+namespace {
+
+std::unique_ptr<MlsSamples> SamplesOf(const TriangleMesh& mesh) {
+  const TriangleMesh points = Sampled(mesh, 2000);
+  absl::StatusOr<std::unique_ptr<MlsSamples>> samples = MlsSamples::Create(points.positions, points.normals, 4, {});
+  EXPECT_THAT(samples, IsOk());
+  return samples.ok() ? *std::move(samples) : nullptr;
+}
+
+// Two sheets that face each other's way, far apart: no place near the one that faces up has a patch that faces down.
+TEST(MlsSamples, KeepsToAPatchWhereNoneNearByFacesTheSameWay) {
+  const auto samples = SamplesOf(Joined(Sheet(4), Moved(Reversed(Sheet(4)), {0, 0, 9})));
+  ASSERT_NE(samples, nullptr);
+  const uint32_t own = samples->PatchOf(samples->NearestLike({0, 0, 0}, {0, 0, 1}));
+  EXPECT_EQ(samples->PatchNear({0, 0, 0.01}, {0, 0, -1}, own), own);
+  const uint32_t beside = samples->PatchNear({0.9, 0.9, 0.01}, {0, 0, 1}, own);
+  EXPECT_NE(beside, own);
+  EXPECT_EQ(beside, samples->PatchOf(samples->NearestLike({0.9, 0.9, 0.01}, {0, 0, 1})));
+}
+
+TEST(MlsSamples, TakeMoreSamplesWithTheSupportsOfThoseBeside) {
+  const auto samples = SamplesOf(Sheet(4));
+  ASSERT_NE(samples, nullptr);
+  const auto wide = samples->Widened({}, 1.5, 16, {});
+  ASSERT_THAT(wide, IsOk());
+  const auto more = (*wide)->With({{0.5, 0.5, 0}, {-0.5, 0.5, 0}}, {{0, 0, 1}, {0, 0, 1}}, {});
+  ASSERT_THAT(more, IsOk());
+  EXPECT_EQ((*more)->samples().size(), samples->samples().size() + 2);
+  for (uint32_t i = 0; i < (*more)->samples().size(); ++i)
+    EXPECT_NEAR((*more)->samples()[i].support, 6 * (*more)->SpacingAt(i), 1e-9);
+}
+
+}  // namespace
+}  // namespace meshfront::testing
