@@ -253,7 +253,8 @@ class Formatter {
   // As many weights as targets, or none: then all are 0.
   static void KeepWeights(Json& object, uint32_t targets) {
     const Json* const weights = Member(object, "weights");
-    if (weights != nullptr && (targets == 0 || weights->size() != targets)) object.erase("weights");
+    if (weights == nullptr) return;
+    if (targets == 0 || !weights->is_array() || weights->size() != targets) object.erase("weights");
   }
 
   // Where the channels of the mesh at hand are in a wedge.

@@ -266,6 +266,19 @@ TEST(Asset, SaysWhichMorphTargetsAreLost) {
   EXPECT_THAT(left_out, ElementsAre("nodes, textures, animations and skins of the glTF", "morph targets"));
 }
 
+// Two for three targets, and one that is no list.
+TEST(Asset, DropsWeightsThatAreNotOneForEachTarget) {
+  const std::string two = Replaced(MorphingGlb(), R"([0.5,0.25,0])", R"([0.5,0.25]  )");
+  const auto read = ReadText(Replaced(two, R"("weights":[0,1,0])", R"("weights":3      )"), Format::kGlb);
+  ASSERT_THAT(read, IsOk());
+  std::vector<std::string> left_out;
+  const absl::StatusOr<std::string> text = FormatAsset(read->mesh, Format::kGltf, read->asset, left_out);
+  ASSERT_THAT(text, IsOk());
+  const nlohmann::json doc = nlohmann::json::parse(*text);
+  EXPECT_FALSE(doc["meshes"][0].contains("weights"));
+  EXPECT_FALSE(doc["nodes"][0].contains("weights"));
+}
+
 // Whoever has a mesh with morph targets and no file around it gets a glTF that can be moved.
 TEST(Asset, WritesMorphTargetsOfAnyMesh) {
   const TriangleMesh mesh = testing::WithChannel(Painted(), "MORPH_1_POSITION", 3, [](const Vec3& p, const Vec3&) {
