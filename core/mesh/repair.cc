@@ -2,7 +2,7 @@
 //
 // 1. IsClean: most meshes are; they pass untouched.
 // 2. RepairPass, until it finds nothing more: faces without a usable position go (DropUnusable); spikes are moved
-//    (MoveSpikes); the corners of a soup that almost meet are made to (SnapSoup); needles and loose caps go
+//    (MoveSpikes); the corners of a soup, and rims, that almost meet are made to (SnapSoup, SnapRims); needles and loose caps go
 //    (DropNeedlesAndLooseCaps), duplicates go (DropDuplicates); the rest is paired edge by edge, oriented, welded and
 //    given one vertex a fan (MakeOrientedManifold); caps inside are turned (FlipCaps); closed components that face
 //    inwards are reversed (TurnOutwards).
@@ -161,7 +161,10 @@ bool IsClean(const TriangleMesh& mesh, const MeshSurvey& survey, std::optional<F
   if (!adjacency) return false;
   const std::vector<uint32_t> rims = RimsOf(*adjacency);
   const bool may_be_soup = 2 * rims.size() >= 3 * mesh.triangles.size();
-  return !may_be_soup && !HasCoincidentRims(mesh, rims);
+  if (may_be_soup || HasCoincidentRims(mesh, rims)) return false;
+  std::vector<uint32_t> rim_vertices;
+  for (const uint32_t h : rims) rim_vertices.push_back(OriginOf(mesh, h).index());
+  return !DoRimsAlmostMeet(mesh, rim_vertices);
 }
 
 // True when anything was changed.
@@ -169,6 +172,7 @@ bool RepairPass(TriangleMesh& mesh, const MeshSurvey& survey, ActionCounts& acti
   bool changed = DropUnusable(mesh, actions);
   if (MayHaveSpikes(survey)) changed |= actions.Add("moved_spike_vertices", MoveSpikes(mesh));
   changed |= actions.Add("snapped_vertices", SnapSoup(mesh));
+  changed |= actions.Add("snapped_vertices", SnapRims(mesh));
   changed |= actions.Add("dropped_degenerate_faces", DropNeedlesAndLooseCaps(mesh));
   changed |= actions.Add("dropped_duplicate_faces", DropDuplicates(mesh));
   changed |= AddPairingChanges(MakeOrientedManifold(mesh), actions);

@@ -17,7 +17,7 @@ namespace meshfront {
 // A kind of change and how often it was made, e.g. {"dropped_degenerate_faces", 30}:
 //   dropped_non_finite_faces, dropped_huge_faces   a corner is not finite, or has a coordinate beyond ±1e150
 //   moved_spike_vertices          a broken number threw it far off; now in the middle of its neighbours
-//   snapped_vertices              of a soup of triangles whose corners almost meet, now at the same position
+//   snapped_vertices              of a soup of triangles whose corners almost meet, or of rims that do, now at the same position
 //   dropped_degenerate_faces      a repeated index, or no area and nothing to close
 //   flipped_degenerate_faces      no area, inside the surface: its long side was turned into the triangle across
 //   dropped_duplicate_faces       the same three vertices as an earlier one; both where they only hang on an edge of others

@@ -21,6 +21,10 @@ inline constexpr double kSpikeRatio = 1e6;
 inline constexpr double kSnapToMedianSide = 1e-3;
 inline constexpr double kSnapToShortestSide = 0.25;
 
+// Rims this close, in diagonals and in the shortest sides at them, are one: about the rounding of binary32.
+inline constexpr double kSnapRimsToDiagonal = 1e-7;
+inline constexpr double kSnapRimsToSide = 1e-3;
+
 // Slivers (repair_slivers.h) are thinner than this (height by longest side), and not higher than so many reaches: what is folded over
 // by that much is still within one reach of what is below.
 inline constexpr double kSliverAspect = 0.1;

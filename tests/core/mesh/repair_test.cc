@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "tests/core/mesh/mesh_shapes.h"
 #include "tests/support/matchers.h"
@@ -242,6 +244,46 @@ TEST(Repair, WeldsASoupWhoseCornersAlmostMeet) {
   EXPECT_GT(CountOf(result, "snapped_vertices"), 700u);
   EXPECT_THAT(result.mesh, IsClosedManifold());
   EXPECT_EQ(result.mesh.positions.size(), testing::Icosphere(2).positions.size());
+}
+
+// Made in rows as programs do, each pole and the seam twice: at an angle of 2π the sine is not 0, but 2e-16. `gap`: beyond that.
+TriangleMesh SphereWithASeam(int around, int rings, double gap) {
+  TriangleMesh mesh;
+  for (int j = 0; j <= rings; ++j) {
+    for (int i = 0; i <= around; ++i) {
+      const double u = (2 * std::numbers::pi - gap) * i / around, v = std::numbers::pi * j / rings;
+      mesh.positions.push_back({std::sin(v) * std::cos(u), std::sin(v) * std::sin(u), std::cos(v)});
+    }
+  }
+  const auto id = [&](int i, int j) { return VertexId(static_cast<uint32_t>(j * (around + 1) + i)); };
+  for (int j = 0; j < rings; ++j) {
+    for (int i = 0; i < around; ++i) {
+      if (j > 0) mesh.triangles.push_back({id(i, j), id(i, j + 1), id(i + 1, j)});
+      if (j + 1 < rings) mesh.triangles.push_back({id(i + 1, j), id(i, j + 1), id(i + 1, j + 1)});
+    }
+  }
+  return mesh;
+}
+
+TEST(Repair, ClosesASeamThatIsOffByRounding) {
+  const RepairResult result = Repaired(SphereWithASeam(24, 12, 0));
+  EXPECT_THAT(result.mesh, IsClosedManifold());
+  EXPECT_THAT(result.mesh, HasGenus(0));
+  EXPECT_GT(CountOf(result, "snapped_vertices"), 20u);
+  EXPECT_EQ(result.mesh.positions.size(), 24u * 11 + 2);
+}
+
+TEST(Repair, LeavesASlitOpenThatIsNot) {
+  const RepairResult result = Repaired(SphereWithASeam(24, 12, 1e-5));
+  EXPECT_THAT(result.mesh, HasBoundaryLoops(1));
+  EXPECT_LE(CountOf(result, "snapped_vertices"), 24u) << "those of the pole";
+}
+
+// Sides of 1e-8 of the diagonal are no rounding where they are what is there.
+TEST(Repair, LeavesAFineOpenPartBesideACoarseOneAlone) {
+  const TriangleMesh fine = testing::Scaled(testing::Hemisphere(2), 1e-7);
+  const TriangleMesh mesh = testing::Joined(testing::Icosphere(2), testing::Moved(fine, {4, 0, 0}));
+  EXPECT_EQ(Told(Repaired(mesh)), "");
 }
 
 TEST(Repair, LeavesAScatterOfTrianglesAlone) {
