@@ -77,7 +77,6 @@ constexpr double kCreaseAngleOfNeed = 40;
 constexpr uint64_t kMaxBeyondWithoutCreases = 500;
 // Where the field is steep, fronts of very different steps meet; a gentler one keeps a larger eta as well. The default.
 constexpr double kGentleEta = 1.2;
-constexpr double kCountPromise = 0.03;     // of the number of triangles wanted
 constexpr double kFlatRatio = 1e-12;       // radius ratio of what has no area, whatever rounding says
 constexpr size_t kMaxListedPairs = 20000;  // of an output's intersections, that are looked at
 

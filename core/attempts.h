@@ -14,6 +14,9 @@
 
 namespace meshfront {
 
+// Of the number of triangles wanted: results nearer to it are not made again, and not warned of.
+inline constexpr double kCountPromise = 0.03;
+
 // What came of one run of the front, and where it is wrong. In the surface's scale.
 struct Attempt {
   FrontReport front;

@@ -138,6 +138,17 @@ absl::StatusOr<std::optional<Preparation>> PrepareSharpPoints(const TriangleMesh
   return made;
 }
 
+// Normals that are wrong in the file are turned; those of a plate as thin as its points lie apart are turned as well, and wrongly.
+void WarnOfTurnedNormals(const PointRepair& repaired, Preparation& p) {
+  for (const RepairAction& action : repaired.actions) {
+    if (action.what != "turned_normals") continue;
+    p.warnings.push_back(
+        absl::StrCat(action.count, " of ", repaired.points.positions.size(),
+                     " normals were turned to the side of their neighbours'; where sheets lie as close "
+                     "as the points they may be right, and repair = false leaves them"));
+  }
+}
+
 }  // namespace
 
 bool IsMeshedAsPoints(const Problem& problem) {
@@ -164,6 +175,7 @@ absl::StatusOr<Preparation> PreparePoints(Problem problem, const Context& contex
   const bool may_change = options.repair || !p.input.is_point_set;
   MESHFRONT_ASSIGN_OR_RETURN(PointRepair repaired, RepairPoints(std::move(problem.mesh), may_change, context));
   p.input.repairs.insert(p.input.repairs.end(), repaired.actions.begin(), repaired.actions.end());
+  WarnOfTurnedNormals(repaired, p);
   if (repaired.undecided_pairs > 0) {
     p.warnings.push_back(absl::StrCat("normals were estimated or turned; at ", repaired.undecided_pairs,
                                       " pairs of neighbours it is not clear which side of the surface is outside"));

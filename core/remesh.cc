@@ -27,6 +27,7 @@ namespace {
 constexpr uint64_t kMinTargetTriangles = 4;  // a tetrahedron
 constexpr double kMaxRho = 2 * std::numbers::pi / 3;
 constexpr double kMaxBlend = 1000;
+constexpr double kManyMore = 1.5;  // triangles than edges of the length that was asked for would make
 constexpr double kMinMlsRadius = 2, kMaxMlsRadius = 16;
 
 using Clock = std::chrono::steady_clock;
@@ -171,6 +172,34 @@ void WarnOfFaults(const Attempt& attempt, Report& report) {
     report.warnings.push_back(absl::StrCat(attempt.own_components, " of ", report.input.topology.components,
                                            " components are the input's own faces (", attempt.own_faces,
                                            "), since no mesh of them came out whole and without self-intersection"));
+  }
+}
+
+// Of how many triangles of the median edge that was asked for the surface is.
+double TrianglesOfLength(const MeshSurface& surface, double length) {
+  double area = 0;
+  for (const Triangle& t : surface.mesh().triangles)
+    area +=
+        TriangleArea(surface.mesh().PositionAt(t[0]), surface.mesh().PositionAt(t[1]), surface.mesh().PositionAt(t[2]));
+  return area * 4 / (std::sqrt(3.0) * length * length);
+}
+
+// Where thin walls, rims or faults ask for shorter edges than were wanted.
+void WarnOfSizes(const Preparation& p, uint64_t made, Report& report) {
+  const auto triangles = static_cast<double>(made);
+  const auto wanted = static_cast<double>(report.parameters.target_triangles);
+  if (wanted > 0 && std::abs(triangles / wanted - 1) > kCountPromise) {
+    report.warnings.push_back(
+        absl::StrCat(made, " triangles instead of the ", report.parameters.target_triangles, " of target_triangles: ",
+                     triangles > wanted ? "with fewer it did not come out whole, or they can't be predicted well"
+                                        : "they can't be predicted well here; ask for somewhat more"));
+  }
+  if (!report.parameters.options.edge_length || wanted > 0 || p.region || p.points || !(p.parameter > 0)) return;
+  const double of_length = TrianglesOfLength(*p.surface, p.parameter);
+  if (triangles > kManyMore * of_length) {
+    report.warnings.push_back(absl::StrCat(made, " triangles where edges of edge_length would make about ",
+                                           std::llround(of_length),
+                                           ": shorter ones are needed where the surface is thin, and around there"));
   }
 }
 
@@ -343,6 +372,7 @@ absl::StatusOr<std::optional<Report>> RemeshPrepared(Preparation& p, MeshSink& s
   Scale(p, report);
   WarnOfDeviations(front, p.scale, report);
   WarnOfFaults(attempt, report);
+  WarnOfSizes(p, front.triangles, report);
   WarnOfGaps(attempt.gaps, p.scale, report);
   if (has_other_topology) report.warnings.push_back(OtherTopology(p.input.topology, report.output));
   ReportRegion(p, front, report);

@@ -103,7 +103,9 @@ void Metrics::Note(const v1::Seconds& s) {
 
 absl::StatusOr<std::string> Metrics::Listen(const std::string& address) {
   try {
-    exposer_ = std::make_unique<prometheus::Exposer>(address, 1);
+    // A connection that says nothing costs one of the threads for that long.
+    exposer_ = std::make_unique<prometheus::Exposer>(
+        std::vector<std::string>{"listening_ports", address, "num_threads", "4", "request_timeout_ms", "2000"});
     exposer_->RegisterCollectable(registry_);
     exposer_->RegisterCollectable(levels_);
     const std::vector<int> ports = exposer_->GetListeningPorts();

@@ -23,6 +23,7 @@ import protoLoader from '@grpc/proto-loader';
 import CRC32C from 'crc-32/crc32c.js';
 
 const BLOCK_BYTES = 1 << 18;
+const MOST_SECONDS = 1e6; // timers take no more
 const MESSAGE_BYTES = 4 << 20; // chunks of up to 1 MiB and what is around them
 
 const protoFolder = process.env.MESHFRONT_PROTO ?? path.resolve(path.dirname(fileURLToPath(import.meta.url)), '../../proto');
@@ -94,6 +95,7 @@ export class RemeshClient {
    * settings: {options, timeout: seconds, onProgress: (triangles, predictedTriangles) => …, signal: an AbortSignal}
    */
   call(header, arrays, {options = {}, timeout, onProgress, signal} = {}) {
+    expectOptions(options);
     const stream = this.stub.remesh(deadlineOf(timeout));
     return new Promise((resolve, reject) => {
       const collected = new Collected();
@@ -125,7 +127,22 @@ export class RemeshClient {
 }
 
 function deadlineOf(timeout) {
-  return timeout === undefined ? {} : {deadline: Date.now() + 1000 * timeout};
+  if (timeout === undefined || timeout === null) return {};
+  if (typeof timeout !== 'number' || !(timeout >= 0)) throw new RangeError(`timeout is ${timeout}; it is a number of seconds`);
+  return {deadline: Date.now() + 1000 * Math.min(timeout, MOST_SECONDS)};
+}
+
+const optionFields = new Set(definition['meshfront.v1.RemeshOptions'].type.field.map((field) => camelCase(field.name)));
+
+function camelCase(name) {
+  return name.replace(/_(\w)/g, (_, letter) => letter.toUpperCase());
+}
+
+/** What the library would leave out without a word. */
+function expectOptions(options) {
+  for (const name of Object.keys(options)) {
+    if (!optionFields.has(name)) throw new RangeError(`there is no option ${name}; there are ${[...optionFields].join(', ')}`);
+  }
 }
 
 function expectThrees(array, type, name) {
@@ -209,6 +226,7 @@ export function writeOff(file, {positions, triangles}) {
   const lines = [`OFF\n${positions.length / 3} ${triangles.length / 3} 0`];
   for (let i = 0; i < positions.length; i += 3) lines.push(`${positions[i]} ${positions[i + 1]} ${positions[i + 2]}`);
   for (let i = 0; i < triangles.length; i += 3) lines.push(`3 ${triangles[i]} ${triangles[i + 1]} ${triangles[i + 2]}`);
+  if (fs.existsSync(file) && !fs.statSync(file).isFile()) throw new Error(`${file} is no regular file`);
   fs.writeFileSync(`${file}.part`, `${lines.join('\n')}\n`);
   fs.renameSync(`${file}.part`, file);
 }
@@ -230,27 +248,53 @@ async function main() {
     return values.help ? 0 : 2;
   }
   const [server, input, output] = positionals;
-  const options = {};
-  if (values.rho !== undefined) options.rho = Number(values.rho);
-  if (values['target-triangles'] !== undefined) options.targetTriangles = Number(values['target-triangles']);
-  const client = new RemeshClient(server);
+  const numbers = {};
+  for (const name of ['rho', 'target-triangles', 'timeout']) {
+    if (values[name] === undefined) continue;
+    numbers[name] = values[name].trim() === '' ? NaN : Number(values[name]);
+    const isWhole = name !== 'target-triangles' || (Number.isSafeInteger(numbers[name]) && numbers[name] > 0);
+    if (Number.isNaN(numbers[name]) || !isWhole) {
+      console.error(`meshfront_client: --${name} is ${values[name]}\n${usage}`);
+      return 2;
+    }
+  }
+  const giveUp = (code, error) => {
+    console.error(`meshfront_client: ${error.message}`);
+    return code;
+  };
+  let data, client, result; // the program's exit codes
   try {
-    const result = await client.remeshFile(input, fs.readFileSync(input), {
+    data = fs.readFileSync(input);
+  } catch (error) {
+    return giveUp(3, error);
+  }
+  try {
+    client = new RemeshClient(server);
+    const options = {};
+    if ('rho' in numbers) options.rho = numbers.rho;
+    if ('target-triangles' in numbers) options.targetTriangles = numbers['target-triangles'];
+    result = await client.remeshFile(input, data, {
       options,
-      timeout: values.timeout === undefined ? undefined : Number(values.timeout),
+      timeout: numbers.timeout,
       onProgress: (triangles, predicted) => process.stderr.isTTY && process.stderr.write(`\r${triangles} of about ${predicted} triangles`),
     });
-    for (const warning of result.warnings) console.error(`warning: ${warning}`);
-    writeOff(output, result);
-    const {radiusRatioMin, radiusRatioMedian} = result.summary.quality;
-    console.log(`${result.triangles.length / 3} triangles, 2r/R ${radiusRatioMin.toFixed(3)} at least, ${radiusRatioMedian.toFixed(3)} in the middle`);
-    return result.complete ? 0 : 4;
   } catch (error) {
-    console.error(`meshfront_client: ${error.message}`);
-    return 1;
+    if (error instanceof RemeshError) return giveUp(EXIT_CODES[grpc.status[error.code]] ?? 70, error);
+    return giveUp(error instanceof RangeError ? 2 : 5, error);
   } finally {
-    client.close();
+    client?.close();
   }
+  for (const warning of result.warnings) console.error(`warning: ${warning}`);
+  try {
+    writeOff(output, result);
+  } catch (error) {
+    return giveUp(7, error);
+  }
+  const {radiusRatioMin, radiusRatioMedian} = result.summary.quality;
+  console.log(`${result.triangles.length / 3} triangles, 2r/R ${radiusRatioMin.toFixed(3)} at least, ${radiusRatioMedian.toFixed(3)} in the middle`);
+  return result.complete ? 0 : 4;
 }
+
+const EXIT_CODES = {INVALID_ARGUMENT: 2, FAILED_PRECONDITION: 3, UNAVAILABLE: 5, RESOURCE_EXHAUSTED: 5, CANCELLED: 6, DEADLINE_EXCEEDED: 6};
 
 if (process.argv[1] && fs.realpathSync(process.argv[1]) === fileURLToPath(import.meta.url)) process.exitCode = await main();

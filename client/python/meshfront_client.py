@@ -16,6 +16,7 @@ python3-protobuf, python3-crcmod.
 import argparse
 import array
 import dataclasses
+import errno
 import hashlib
 import os
 import pathlib
@@ -118,9 +119,13 @@ class RemeshClient:
 
 
 def _as_bytes(buffer, element, name):
+    """The bytes of three float64 or uint32 each; bytes themselves are taken as they are."""
     view = memoryview(buffer)
     if not view.c_contiguous:
         raise ValueError(f"{name} must be contiguous")
+    wanted = {24: ("d",), 12: ("I", "L", "i")}[element]
+    if view.format not in ("B", "b", "c") and (view.format.lstrip("@=<") not in wanted or view.itemsize != element // 3):
+        raise TypeError(f"{name} has items of format {view.format!r}; it takes {'float64' if element == 24 else 'uint32'}")
     view = view.cast("B")
     if len(view) == 0 or len(view) % element:
         raise ValueError(f"{name} has {len(view)} bytes; it takes {element} each")
@@ -178,9 +183,17 @@ def _check(chunk, sequence, first_vertex):
         raise DamagedError(f"chunk {sequence} has other arrays than it says")
 
 
+EXIT_CODES = {
+    grpc.StatusCode.INVALID_ARGUMENT: 2, grpc.StatusCode.FAILED_PRECONDITION: 3, grpc.StatusCode.UNAVAILABLE: 5,
+    grpc.StatusCode.RESOURCE_EXHAUSTED: 5, grpc.StatusCode.CANCELLED: 6, grpc.StatusCode.DEADLINE_EXCEEDED: 6,
+}
+
+
 def write_off(path, result):
-    """Writes the mesh aside and renames it, so that a file that was there is whole at any time."""
+    """Writes the mesh aside and renames it, so that a file that was there is whole at any time. OSError where it can't."""
     p, t = result.positions, result.triangles
+    if pathlib.Path(path).exists() and not pathlib.Path(path).is_file():
+        raise OSError(errno.EINVAL, "is no regular file", str(path))
     aside = pathlib.Path(f"{path}.part")
     with aside.open("w", encoding="ascii") as out:
         out.write(f"OFF\n{len(p) // 3} {len(t) // 3} 0\n")
@@ -204,17 +217,31 @@ def main():
         if sys.stderr.isatty():
             print(f"\r{triangles} of about {predicted} triangles", end="", file=sys.stderr, flush=True)
 
+    def give_up(code, error):
+        said = f"{error.filename}: {error.strerror}" if isinstance(error, OSError) else error
+        print(f"meshfront_client: {said}", file=sys.stderr)
+        return code
+
+    # The program's exit codes.
     try:
         data = pathlib.Path(arguments.input).read_bytes()
+    except OSError as error:
+        return give_up(3, error)
+    try:
         result = RemeshClient(arguments.server).remesh_file(arguments.input, data, options=options, timeout=arguments.timeout,
                                                             on_progress=show)
-    except OSError as error:
-        sys.exit(f"meshfront_client: {error.filename}: {error.strerror}")
-    except (RemeshError, DamagedError) as error:
-        sys.exit(f"meshfront_client: {error}")
+    except ValueError as error:  # an option that its field can't hold
+        return give_up(2, error)
+    except RemeshError as error:
+        return give_up(EXIT_CODES.get(error.code, 70), error)
+    except DamagedError as error:
+        return give_up(5, error)
     for warning in result.warnings:
         print(f"warning: {warning}", file=sys.stderr)
-    write_off(arguments.output, result)
+    try:
+        write_off(arguments.output, result)
+    except OSError as error:
+        return give_up(7, error)
     quality = result.summary.quality
     print(f"{len(result.triangles) // 3} triangles, 2r/R {quality.radius_ratio_min:.3f} at least, {quality.radius_ratio_median:.3f} in the middle")
     return 0 if result.complete else 4

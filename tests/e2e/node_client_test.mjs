@@ -95,6 +95,9 @@ test('says what the server refuses', async () => {
   await assert.rejects(client.remeshMesh(positions, triangles), isRefusal);
   assert.throws(() => client.remeshMesh(positions.subarray(1), triangles), RangeError);
   assert.throws(() => client.remeshMesh([0, 0, 0], triangles), TypeError);
+  assert.throws(() => client.remeshMesh(positions, triangles, {options: {roh: 0.5}}), /roh/, 'the library would ignore it');
+  assert.throws(() => client.remeshMesh(positions, triangles, {options: {target_triangles: 50}}), /target_triangles/);
+  for (const timeout of [NaN, -1, '3']) assert.throws(() => client.remeshMesh(positions, triangles, {timeout}), RangeError, `${timeout}`);
 });
 
 test('ends at its deadline, by a signal, and by an exception of the caller', async () => {
@@ -106,7 +109,7 @@ test('ends at its deadline, by a signal, and by an exception of the caller', asy
   await assert.rejects(client.remeshMesh(positions, triangles, {options: {rho: 0.01}, signal: abort.signal}), endsWith(grpc.status.CANCELLED));
   const stop = () => { throw new Error('enough'); };
   await assert.rejects(client.remeshMesh(positions, triangles, {options: {rho: 0.05}, onProgress: stop}), /enough/);
-  assert.ok((await client.remeshMesh(positions, triangles)).complete, 'the server goes on');
+  assert.ok((await client.remeshMesh(positions, triangles, {timeout: 1e12})).complete, 'the server goes on');
 });
 
 test('says that there is no server', async () => {
@@ -137,8 +140,13 @@ test('is a program too', () => {
   assert.ok(Math.abs(parseInt(done.stdout, 10) / 2000 - 1) < 0.05, done.stdout);
   const before = fs.readFileSync(out);
   const refused = run('--rho', '9');
-  assert.equal(refused.status, 1);
+  assert.equal(refused.status, 2);
   assert.match(refused.stderr, /rho/);
   assert.deepEqual(fs.readFileSync(out), before, 'what was there stays');
-  assert.equal(run('--nonsense').status, 2);
+  for (const flags of [['--nonsense'], ['--timeout', 'abc'], ['--rho='], ['--target-triangles', '1.5']]) assert.equal(run(...flags).status, 2, flags);
+  const runOn = (...positionals) => spawnSync(process.execPath, [program, ...positionals], {encoding: 'utf8'});
+  assert.equal(runOn(address, folder, out).status, 3);
+  assert.equal(runOn(address, source, folder).status, 7);
+  assert.equal(runOn(address, source, path.join(folder, 'none', 'out.off')).status, 7);
+  assert.ok(!fs.existsSync(`${folder}.part`));
 });

@@ -105,6 +105,14 @@ class PythonClient(unittest.TestCase):
         self.assertEqual(refused.exception.code, grpc.StatusCode.INVALID_ARGUMENT)
         with self.assertRaises(ValueError):
             self.client.remesh_mesh(positions[1:], triangles)
+        with self.assertRaises(ValueError):
+            self.client.remesh_mesh(positions, triangles, options={"roh": 0.5})
+        # Items of another kind are not read as what they are not: numpy's integers have 8 bytes.
+        for wrong in (array.array("q", triangles), array.array("H", triangles), array.array("f", positions)):
+            with self.assertRaises(TypeError, msg=wrong.typecode):
+                self.client.remesh_mesh(positions, wrong)
+        with self.assertRaises(TypeError):
+            self.client.remesh_mesh(array.array("f", positions), triangles)
 
     def test_ends_at_its_deadline(self):
         positions, triangles = torus(48, 24)
@@ -140,9 +148,15 @@ class PythonClient(unittest.TestCase):
             before = out.read_bytes()
             refused = subprocess.run([sys.executable, program, self.address, source, out, "--rho", "9"], capture_output=True, text=True,
                                      check=False)
-            self.assertEqual(refused.returncode, 1)
+            self.assertEqual(refused.returncode, 2)
             self.assertIn("rho", refused.stderr)
             self.assertEqual(out.read_bytes(), before, "what was there stays")
+            for wrong, code in (([source, folder], 7), ([source, pathlib.Path(folder, "none", "out.off")], 7), ([folder, out], 3),
+                                ([source, out, "--target-triangles", "-5"], 2), ([source, out, "--timeout", "0"], 6)):
+                refused = subprocess.run([sys.executable, program, self.address, *wrong], capture_output=True, text=True, check=False)
+                self.assertEqual(refused.returncode, code, wrong)
+                self.assertNotIn("Traceback", refused.stderr)
+            self.assertFalse(pathlib.Path(f"{folder}.part").exists())
 
 
 class Damage(unittest.TestCase):

@@ -43,20 +43,30 @@ grpc::Status AskCapabilities(const ServerProcess& server) {
   return server.NewStub()->GetCapabilities(&context, {}, &response);
 }
 
-// What an HTTP server answers to GET.
-std::string HttpGet(const std::string& address, const std::string& path) {
+// A connection to a port of this machine.
+int ConnectTo(const std::string& address) {
   const int fd = socket(AF_INET, SOCK_STREAM, 0);
   sockaddr_in to{};
   to.sin_family = AF_INET;
   to.sin_port = htons(static_cast<uint16_t>(std::stoi(address.substr(address.rfind(':') + 1))));
   to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  EXPECT_EQ(connect(fd, reinterpret_cast<const sockaddr*>(&to), sizeof(to)), 0);
+  const timeval patience{20, 0};
+  setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience));
+  return fd;
+}
+
+void Say(int fd, const std::string& words) {
+  EXPECT_EQ(write(fd, words.data(), words.size()), static_cast<ssize_t>(words.size()));
+}
+
+// What an HTTP server answers to GET.
+std::string HttpGet(const std::string& address, const std::string& path) {
+  const int fd = ConnectTo(address);
+  Say(fd, "GET " + path + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
   std::string answer;
-  if (connect(fd, reinterpret_cast<const sockaddr*>(&to), sizeof(to)) == 0) {
-    const std::string request = "GET " + path + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
-    EXPECT_EQ(write(fd, request.data(), request.size()), static_cast<ssize_t>(request.size()));
-    char buffer[4096];
-    for (ssize_t got; (got = read(fd, buffer, sizeof(buffer))) > 0;) answer.append(buffer, static_cast<size_t>(got));
-  }
+  char buffer[4096];
+  for (ssize_t got; (got = read(fd, buffer, sizeof(buffer))) > 0;) answer.append(buffer, static_cast<size_t>(got));
   close(fd);
   return answer;
 }
@@ -131,7 +141,12 @@ TEST(ServerProcess, TellsPrometheusWhatItHasDone) {
     usleep(20'000);
   }
   EXPECT_THAT(answer, AllOf(HasSubstr(calls), HasSubstr("\nmeshfront_sessions 1")));
+  // Those who connect and say nothing, or half a line, cost the others nothing after a moment.
+  std::vector<int> idle;
+  for (int i = 0; i < 6; ++i) idle.push_back(ConnectTo(address));
+  Say(idle.front(), "GET /m");
   EXPECT_THAT(HttpGet(address, "/else"), StartsWith("HTTP/1.1 404"));
+  for (const int fd : idle) close(fd);
 }
 
 TEST(ServerProcess, SaysThatAPortIsTaken) {

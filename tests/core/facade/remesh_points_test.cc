@@ -140,6 +140,19 @@ bool Mentions(const std::vector<std::string>& warnings, const std::string& words
                      [&](const std::string& w) { return w.find(words) != std::string::npos; });
 }
 
+TEST(RemeshPoints, SaysThatItTurnsNormals) {
+  TriangleMesh points = Sampled(Icosphere(4), 3000);
+  CheckingSink right_sink, sink;
+  const auto right = RemeshPoints(points, {}, right_sink);
+  ASSERT_THAT(right, IsOk());
+  EXPECT_FALSE(Mentions(right->warnings, "normals were turned"));
+  for (size_t i = 0; i < points.normals.size(); i += 10) points.normals[i] = -1.0 * points.normals[i];
+  const auto report = RemeshPoints(points, {}, sink);
+  ASSERT_THAT(report, IsOk());
+  EXPECT_TRUE(Mentions(report->warnings, "300 of 3000 normals were turned"));
+  EXPECT_THAT(sink.mesh(), IsClosedManifold());
+}
+
 TEST(RemeshPoints, SeesPastNoise) {
   CheckingSink sink;
   const auto report = RemeshPoints(NoisySphere(6000, 0.05), {}, sink);

@@ -17,6 +17,7 @@ namespace meshfront::testing {
 namespace {
 
 using ::testing::Combine;
+using ::testing::HasSubstr;
 using ::testing::Values;
 using ::testing::ValuesIn;
 
@@ -105,6 +106,32 @@ INSTANTIATE_TEST_SUITE_P(Shapes, EveryCount,
                            return std::get<0>(info.param).name + NameOf(std::get<1>(info.param)) + "Eta" +
                                   std::to_string(std::lround(10 * std::get<2>(info.param)));
                          });
+
+// A plate that is thinner than the edges that are asked for takes shorter ones, and a sphere does not.
+TEST(Sizes, AreWarnedOfWhereOthersComeOut) {
+  RemeshOptions long_edges;
+  long_edges.sizing = Sizing::kUniform;
+  long_edges.edge_length = Length{0.4, false};
+  const Report slab = RemeshOrFail(testing::ThinSlab(), long_edges).report;
+  EXPECT_THAT(slab.warnings,
+              ::testing::ElementsAre(HasSubstr("triangles where edges of edge_length would make about")));
+  EXPECT_THAT(RemeshOrFail(testing::Icosphere(4), long_edges).report.warnings, ::testing::IsEmpty());
+  int off = 0;
+  const TriangleMesh shape = testing::GenusThree(48);
+  for (const uint64_t count : {200, 300, 400}) {
+    CollectingSink sink;
+    const absl::StatusOr<Report> report = Remesh({shape, Counting(Sizing::kError, count)}, sink, {});
+    if (!report.ok()) continue;  // fewer than there can be
+    const bool is_off = std::abs(static_cast<double>(report->output.triangles) / static_cast<double>(count) - 1) > 0.03;
+    const std::string said = "instead of the " + std::to_string(count) + " of target_triangles";
+    EXPECT_EQ(std::any_of(report->warnings.begin(), report->warnings.end(),
+                          [&](const std::string& w) { return w.find(said) != std::string::npos; }),
+              is_off)
+        << report->output.triangles;
+    off += is_off;
+  }
+  EXPECT_GT(off, 0) << "another shape is needed for this";
+}
 
 // A plate of two flat sides, whose curvature asks for nothing.
 TEST(SizingByThickness, MakesEdgesOfAPlateAsShortAsItIsThin) {
