@@ -1,16 +1,22 @@
+// 1. PartAtPinches  holes that touch at a vertex are one boundary loop, which passes there twice, by copies of the vertex: each is one of
+// its own    2. Fill  a patch for each that meets nothing    3. Finish  the patches are added, and the copies beside them are one vertex
 #include "core/mesh/hole_filling.h"
 
 #include <algorithm>
 #include <array>
 #include <limits>
 #include <optional>
+#include <tuple>
 #include <utility>
+#include <vector>
 
 #include "absl/container/flat_hash_map.h"
 #include "core/base/status_macros.h"
 #include "core/geometry/bvh.h"
 #include "core/geometry/intersection.h"
 #include "core/mesh/hole_patch.h"
+#include "core/mesh/mesh_edits.h"
+#include "core/mesh/union_find.h"
 
 namespace meshfront {
 namespace {
@@ -45,10 +51,12 @@ bool Meet(const Corners& a, const Corners& b) {
 class HoleFiller {
  public:
   HoleFiller(TriangleMesh& mesh, const FaceAdjacency& adjacency)
-      : mesh_(mesh), adjacency_(adjacency), bvh_(mesh.positions, mesh.triangles) {}
+      : mesh_(mesh), adjacency_(adjacency), bvh_(mesh.positions, mesh.triangles), copies_(mesh.positions.size()) {}
 
-  // Loop: half-edges with the mesh on their left.
-  bool Fill(const std::vector<uint32_t>& loop);
+  using Loop = std::vector<uint32_t>;  // half-edges with the mesh on their left
+  // The loops that a loop is made of, none of which passes a place twice.
+  std::vector<Loop> PartAtPinches(const Loop& loop) const;
+  bool Fill(const Loop& loop);
   // Adds all patches to the mesh.
   void Finish();
 
@@ -61,8 +69,9 @@ class HoleFiller {
     Box3 box;
   };
 
+  bool MayBeOne(VertexId v, VertexId copy) const;
   HoleRimVertex RimVertexAt(uint32_t before, uint32_t half_edge) const;
-  std::vector<std::array<uint32_t, 2>> FindJoined(const std::vector<VertexId>& rim) const;
+  std::vector<std::array<uint32_t, 2>> FindJoined(const Loop& loop) const;
   bool IsClear(const Placed& placed) const;
   void AddAttributes(const Placed& placed);
 
@@ -70,20 +79,62 @@ class HoleFiller {
   const FaceAdjacency& adjacency_;
   const TriangleBvh bvh_;
   std::vector<Placed> placed_;
+  UnionFind copies_;  // of vertices at whose place a filled loop passes from one to another
 };
+
+// No edge would be one of more than two triangles.
+bool HoleFiller::MayBeOne(VertexId v, VertexId copy) const {
+  bool may = v != copy;
+  VisitNeighbours(mesh_, adjacency_, v.index(), [&](VertexId a) {
+    VisitNeighbours(mesh_, adjacency_, copy.index(), [&](VertexId b) { may = may && a != b; });
+  });
+  return may;
+}
+
+std::vector<HoleFiller::Loop> HoleFiller::PartAtPinches(const Loop& loop) const {
+  std::vector<Loop> parts;
+  Loop open;
+  struct Passed {
+    size_t index;                  // in `open`
+    std::vector<VertexId> copies;  // there
+  };
+  absl::flat_hash_map<std::tuple<double, double, double>, Passed> passed;
+  const auto key = [&](uint32_t h) {
+    const Vec3& x = mesh_.PositionAt(OriginOf(mesh_, h));
+    return std::tuple(x.x, x.y, x.z);
+  };
+  for (const uint32_t h : loop) {
+    const VertexId v = OriginOf(mesh_, h);
+    Passed& before = passed.try_emplace(key(h), Passed{open.size(), {}}).first->second;
+    if (!std::all_of(before.copies.begin(), before.copies.end(), [&](VertexId copy) { return MayBeOne(v, copy); }))
+      return {loop};
+    before.copies.push_back(v);
+    const size_t begin = before.index;
+    if (begin < open.size()) {
+      parts.emplace_back(open.begin() + static_cast<std::ptrdiff_t>(begin), open.end());
+      for (size_t i = begin + 1; i < open.size(); ++i) passed.erase(key(open[i]));
+      open.resize(begin);
+    }
+    open.push_back(h);
+  }
+  parts.push_back(std::move(open));
+  return parts;
+}
 
 // The surface behind a vertex lies across from the hole, at a right angle to the rim.
 HoleRimVertex HoleFiller::RimVertexAt(uint32_t before, uint32_t half_edge) const {
-  const VertexId v = OriginOf(mesh_, half_edge);
+  const VertexId v = OriginOf(mesh_, half_edge), arrived = TargetOf(mesh_, before);
   const Vec3& x = mesh_.PositionAt(v);
   const Vec3 &from = mesh_.PositionAt(OriginOf(mesh_, before)), &to = mesh_.PositionAt(TargetOf(mesh_, half_edge));
   Vec3 normal, inside;
-  VisitOutgoing(adjacency_, v.index(), [&](uint32_t h) {
+  const auto add = [&](uint32_t h) {
     const Vec3 a = mesh_.PositionAt(TargetOf(mesh_, h)) - x,
                b = mesh_.PositionAt(OriginOf(mesh_, PreviousHalfEdge(h))) - x;
     normal += Cross(a, b);
     inside += Norm(Cross(a, b)) * Normalized(a + b);
-  });
+  };
+  VisitOutgoing(adjacency_, v.index(), add);
+  if (arrived != v) VisitOutgoing(adjacency_, arrived.index(), add);
   normal = Normalized(normal);
   const Vec3 along = Normalized(to - from);
   inside = Normalized(inside - Dot(inside, along) * along);
@@ -91,19 +142,25 @@ HoleRimVertex HoleFiller::RimVertexAt(uint32_t before, uint32_t half_edge) const
   return {x, normal, x + 0.5 * (Distance(x, from) + Distance(x, to)) * inside};
 }
 
-// Pairs of vertices of the rim, not next to each other on it, that the mesh joins.
-std::vector<std::array<uint32_t, 2>> HoleFiller::FindJoined(const std::vector<VertexId>& rim) const {
+// Pairs of places of the rim, not next to each other on it, that the mesh joins.
+std::vector<std::array<uint32_t, 2>> HoleFiller::FindJoined(const Loop& loop) const {
   absl::flat_hash_map<uint32_t, uint32_t> places;
-  for (uint32_t i = 0; i < rim.size(); ++i) places[rim[i].index()] = i;
-  std::vector<std::array<uint32_t, 2>> joined;
-  const auto n = static_cast<uint32_t>(rim.size());
+  const auto n = static_cast<uint32_t>(loop.size());
   for (uint32_t i = 0; i < n; ++i) {
-    VisitNeighbours(mesh_, adjacency_, rim[i].index(), [&](VertexId other) {
+    places[OriginOf(mesh_, loop[i]).index()] = i;
+    places[TargetOf(mesh_, loop[(i + n - 1) % n]).index()] = i;
+  }
+  std::vector<std::array<uint32_t, 2>> joined;
+  for (uint32_t i = 0; i < n; ++i) {
+    const auto note = [&](VertexId other) {
       const auto found = places.find(other.index());
-      if (found == places.end() || found->second < i) return;
+      if (found == places.end() || found->second <= i) return;
       const uint32_t j = found->second;
       if (j != i + 1 && !(i == 0 && j == n - 1)) joined.push_back({i, j});
-    });
+    };
+    const VertexId v = OriginOf(mesh_, loop[i]), arrived = TargetOf(mesh_, loop[(i + n - 1) % n]);
+    VisitNeighbours(mesh_, adjacency_, v.index(), note);
+    if (arrived != v) VisitNeighbours(mesh_, adjacency_, arrived.index(), note);
   }
   return joined;
 }
@@ -126,15 +183,18 @@ bool HoleFiller::IsClear(const Placed& placed) const {
   return true;
 }
 
-bool HoleFiller::Fill(const std::vector<uint32_t>& loop) {
+bool HoleFiller::Fill(const Loop& loop) {
   Placed placed;
+  const Loop reversed(loop.rbegin(), loop.rend());  // the hole on the left
   std::vector<HoleRimVertex> rim;
-  for (size_t i = loop.size(); i-- > 0;) {  // the hole on the left
-    rim.push_back(RimVertexAt(loop[(i + loop.size() - 1) % loop.size()], loop[i]));
-    placed.rim.push_back(OriginOf(mesh_, loop[i]));
-    placed.rim_half_edges.push_back(loop[i]);
+  for (size_t i = 0; i < loop.size(); ++i) {
+    rim.push_back(RimVertexAt(reversed[(i + 1) % loop.size()], reversed[i]));
+    placed.rim.push_back(OriginOf(mesh_, reversed[i]));
+    placed.rim_half_edges.push_back(reversed[i]);
   }
-  const std::vector<std::array<uint32_t, 2>> joined = FindJoined(placed.rim);
+  std::vector<std::array<uint32_t, 2>> joined = FindJoined(loop);
+  const auto last = static_cast<uint32_t>(loop.size() - 1);
+  for (auto& [i, j] : joined) i = last - i, j = last - j;
   for (const PatchShape shape : {PatchShape::kFair, PatchShape::kTaut}) {
     std::optional<HolePatch> patch = MakeHolePatch(rim, joined, shape);
     if (!patch) continue;
@@ -147,6 +207,9 @@ bool HoleFiller::Fill(const std::vector<uint32_t>& loop) {
     }
     if (!IsClear(placed)) continue;
     placed_.push_back(std::move(placed));
+    for (size_t i = 0; i < loop.size(); ++i)
+      copies_.Unite(OriginOf(mesh_, loop[i]).index(),
+                    TargetOf(mesh_, loop[(i + loop.size() - 1) % loop.size()]).index());
     return true;
   }
   return false;
@@ -170,9 +233,12 @@ void HoleFiller::AddAttributes(const Placed& placed) {
 }
 
 void HoleFiller::Finish() {
+  const auto kept = [this](VertexId v) { return VertexId(copies_.Find(v.index())); };
+  for (Triangle& t : mesh_.triangles) t = {kept(t[0]), kept(t[1]), kept(t[2])};
   for (const Placed& placed : placed_) {
     AddAttributes(placed);
-    std::vector<VertexId> names = placed.rim;
+    std::vector<VertexId> names;
+    for (const VertexId v : placed.rim) names.push_back(kept(v));
     for (size_t v = placed.rim.size(); v < placed.patch.positions.size(); ++v) {
       names.push_back(VertexId(static_cast<uint32_t>(mesh_.positions.size())));
       mesh_.positions.push_back(placed.patch.positions[v]);
@@ -190,7 +256,11 @@ absl::StatusOr<FilledHoles> FillHoles(double size, TriangleMesh& mesh, FaceAdjac
   const std::vector<std::vector<uint32_t>> loops = FindBoundaryLoops(adjacency);
   if (loops.empty()) return result;
   HoleFiller filler(mesh, adjacency);
+  std::vector<std::vector<uint32_t>> holes;
   for (const std::vector<uint32_t>& loop : loops) {
+    for (std::vector<uint32_t>& part : filler.PartAtPinches(loop)) holes.push_back(std::move(part));
+  }
+  for (const std::vector<uint32_t>& loop : holes) {
     MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
     std::vector<Vec3> places;
     for (const uint32_t h : loop) places.push_back(mesh.PositionAt(OriginOf(mesh, h)));
@@ -203,6 +273,7 @@ absl::StatusOr<FilledHoles> FillHoles(double size, TriangleMesh& mesh, FaceAdjac
   if (result.filled == 0) return result;
   filler.Finish();
   adjacency = CreateAdjacency(mesh);
+  DropUnreferencedVertices(mesh, adjacency);
   return result;
 }
 

@@ -18,7 +18,8 @@ struct FilledHoles {
 };
 
 // Closes the boundary loops of an oriented manifold whose diameter (the largest distance between two of their points) is at most `size`.
-// Vertices and triangles are added behind those that are there; attributes go on from the rim. A loop stays open where its patches, a fair
+// A loop that passes a place several times, by copies of a vertex, is several holes, which touch there; the copies beside those that are
+// filled become one vertex. Triangles are added behind those that are there; attributes go on from the rim. A loop stays open where its patches, a fair
 // and a taut one, intersect the mesh, themselves or an earlier patch: so does the outer rim of a flat sheet. Cancelled or DeadlineExceeded.
 // About 30 µs a triangle of the patches.
 absl::StatusOr<FilledHoles> FillHoles(double size, TriangleMesh& mesh, FaceAdjacency& adjacency,

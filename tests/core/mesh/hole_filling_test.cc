@@ -1,11 +1,13 @@
 #include "core/mesh/hole_filling.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <vector>
 
 #include "core/mesh/hole_patch.h"
+#include "core/mesh/repair.h"
 #include "core/mesh/topology.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -42,6 +44,47 @@ TEST(FillHoles, GoesOnAsTheSurfaceDoes) {
       farthest = std::max(farthest, std::abs(Norm(mesh.positions[v]) - 1));
     EXPECT_LE(farthest, 0.15 * radius * radius + 0.003) << radius;  // a flat one is up to half of radius² away
   }
+}
+
+// A sheet without the cells of a grid that are named; holes that touch at a corner are one loop then, after repair.
+TriangleMesh SheetWithout(int n, const std::vector<std::array<int, 2>>& cells) {
+  TriangleMesh sheet = Sheet(n);
+  std::erase_if(sheet.triangles, [&](const Triangle& t) {
+    Vec3 middle;
+    for (const VertexId v : t) middle += sheet.PositionAt(v) / 3.0;
+    const Box3 box = BoundingBox(sheet);
+    const auto cell = [&](double x, double from, double to) { return static_cast<int>(n * (x - from) / (to - from)); };
+    const std::array<int, 2> at = {cell(middle.x, box.min.x, box.max.x), cell(middle.y, box.min.y, box.max.y)};
+    return std::find(cells.begin(), cells.end(), at) != cells.end();
+  });
+  absl::StatusOr<RepairResult> repaired = RepairMesh(std::move(sheet), {});
+  EXPECT_TRUE(repaired.ok());
+  return std::move(repaired->mesh);
+}
+
+TEST(FillHoles, PartsHolesThatTouchAtAVertex) {
+  const double cell = 1.5 * Distance(Sheet(10).positions[0], Sheet(10).positions[1]);
+  const std::vector<std::vector<std::array<int, 2>>> cases = {
+      {{3, 3}, {4, 4}}, {{3, 3}, {4, 4}, {5, 5}, {6, 4}}, {{3, 3}, {5, 3}, {4, 4}, {3, 5}, {5, 5}}};
+  for (const auto& cells : cases) {
+    TriangleMesh mesh = SheetWithout(10, cells);
+    ASSERT_GT(mesh.positions.size(), Sheet(10).positions.size()) << "no copies of a vertex";
+    const FilledHoles holes = Filled(mesh, cell);
+    EXPECT_EQ(holes.filled, cells.size());
+    EXPECT_THAT(holes.left_open, ::testing::IsEmpty());
+    EXPECT_EQ(mesh.positions.size(), Sheet(10).positions.size() + cells.size()) << "no copies, and one in each patch";
+    EXPECT_THAT(mesh, HasBoundaryLoops(1));
+    EXPECT_THAT(mesh, IsManifold());
+    EXPECT_THAT(mesh, HasNoSelfIntersection());
+  }
+}
+
+TEST(FillHoles, FillsTheSmallerOfTwoHolesThatTouch) {
+  TriangleMesh mesh = SheetWithout(12, {{3, 3}, {4, 4}, {5, 4}, {4, 5}, {5, 5}});
+  const FilledHoles holes = Filled(mesh, 1.5 * Distance(Sheet(12).positions[0], Sheet(12).positions[1]));
+  EXPECT_EQ(holes.filled, 1u);
+  EXPECT_THAT(mesh, HasBoundaryLoops(2));
+  EXPECT_THAT(mesh, IsManifold());
 }
 
 // Loops whose triangles would be those that are there, or edges a second time.
