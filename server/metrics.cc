@@ -112,7 +112,8 @@ absl::StatusOr<std::string> Metrics::Listen(const std::string& address) {
     const std::string host = address.substr(0, address.rfind(':'));
     return ports.empty() ? address : absl::StrCat(host, ":", ports.front());
   } catch (const std::exception&) {
-    return absl::UnavailableError(absl::StrCat("can't listen on ", address, " for the metrics; is the port taken?"));
+    return absl::UnavailableError(
+        absl::StrCat("can't listen on ", address, " for the metrics; is the port taken, or the address none of IPv4?"));
   }
 }
 

@@ -571,7 +571,7 @@ void SettlingWindow::KeepMaxError(const Context& context) {
 }
 
 // Where a count is wanted the bound is what comes of it.
-bool SettlingWindow::IsBeyondMended() const { return !std::isfinite(options_.max_insertions); }
+bool SettlingWindow::IsBeyondMended() const { return !insertion_budget_.IsLimited(); }
 
 // Whether to look closer at what a triangle was measured to deviate. Where a count is wanted only the largest is told of.
 bool SettlingWindow::MayBeLargest(double deviation) const {
