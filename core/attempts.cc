@@ -55,10 +55,10 @@ constexpr int kMaxInVain = 2;
 constexpr uint64_t kMostTried = 150000;
 // And beyond so many roll-backs, and triangles, the front is no good: another support is tried before.
 constexpr uint64_t kMaxRollBacksForPoints = 60, kMaxBeyondForPoints = 2000;
-// All attempts at a point set look at about so many samples, which takes 15 to 45 s: those that have a say, for each candidate, and for each
-// triangle as often as for so many. One attempt may always look at so many candidates a triangle; ten to a hundred are usual. Where sheets
-// lie closer than supports are wide the front tries all it can, each time with more samples around: a surface with one side took minutes.
-constexpr double kMostSamplesSeen = 3e9, kCandidatesPerTriangle = 100, kSettlingPerTriangle = 40;
+// What counts of samples that are looked at (Preparation::most_samples_seen). One attempt may always look at so many candidates a triangle;
+// ten to a hundred are usual. Where sheets lie closer than supports are wide the front tries all it can, each time with more samples around:
+// a surface with one side took minutes.
+constexpr double kCandidatesPerTriangle = 100, kSettlingPerTriangle = 40;
 // Where the front was taken back at place after place all over a large mesh, the ground is rough, and shorter edges make it no better:
 // roll-backs times triangles.
 constexpr double kMostWorkForFiner = 1e7;
@@ -93,7 +93,7 @@ double BoundPerLength(const Preparation& p) {
 }
 
 uint64_t MostCandidates(const Preparation& p, double samples_seen) {
-  const double left = (kMostSamplesSeen - samples_seen) / p.points->samples().MeanListLength();
+  const double left = (p.most_samples_seen - samples_seen) / p.points->samples().MeanListLength();
   return static_cast<uint64_t>(std::max(left, kCandidatesPerTriangle * std::min(p.predicted_triangles, 1e15)));
 }
 
@@ -333,7 +333,7 @@ class Remedy {
     in_vain_ = static_cast<double>(last.fault_count()) > kWorthGoingOn * fewest_faults_ ? in_vain_ + 1 : 0;
     fewest_faults_ = std::min(fewest_faults_, static_cast<double>(last.fault_count()));
     tried_ += last.front.triangles;
-    if (last.samples_seen > kMostSamplesSeen) return false;
+    if (last.samples_seen > p.most_samples_seen) return false;
     if (in_vain_ >= kMaxInVain || (tried_ > kMostTried && last.fault_count() > kMostFaults)) return false;
     absl::StatusOr<bool> wider = is_at_places && wider_++ < kWiderAtPlaces
                                      ? WidenSupports(places, kWiderAtPlace, count, p, context)

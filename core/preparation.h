@@ -49,7 +49,10 @@ struct Preparation {
   double parameter = 0;                 // the sizing's: rho, or the error bound or median edge in the surface's scale
   double predicted_triangles = 0;
   int most_attempts = 16;  // of AdvanceInAttempts
-  double scale = 1;        // the surface is the input times this power of two
+  // All attempts at a point set look at about so many samples, which takes 15 to 45 s: those that have a say, for each candidate, and for
+  // each triangle as often as for so many (attempts.cc).
+  double most_samples_seen = 3e9;
+  double scale = 1;  // the surface is the input times this power of two
   StageSeconds seconds;
   std::vector<std::string> warnings;  // of the input
 

@@ -140,7 +140,8 @@ TEST(ServerProcess, TellsPrometheusWhatItHasDone) {
     answer = HttpGet(address, "/metrics");  // the call ends in the server after it ended here
     usleep(20'000);
   }
-  EXPECT_THAT(answer, AllOf(HasSubstr(calls), HasSubstr("\nmeshfront_sessions 1")));
+  EXPECT_THAT(answer, AllOf(HasSubstr(calls), HasSubstr("\nmeshfront_sessions 1"),
+                            HasSubstr("\nmeshfront_stage_seconds_count{stage=\"mesh\"} 1")));
   // Those who connect and say nothing, or half a line, cost the others nothing after a moment.
   std::vector<int> idle;
   for (int i = 0; i < 6; ++i) idle.push_back(ConnectTo(address));

@@ -5,6 +5,8 @@
 #include <random>
 #include <string>
 
+#include "core/attempts.h"
+#include "core/preparation.h"
 #include "core/remesh.h"
 #include "tests/support/checking_sink.h"
 #include "tests/support/matchers.h"
@@ -197,6 +199,26 @@ TEST(RemeshPoints, WidensSupportsThatSeeTooFew) {
   EXPECT_TRUE(report->complete);
   EXPECT_THAT(sink.mesh(), HasNoSelfIntersection());
   EXPECT_TRUE(Mentions(report->warnings, "supports were widened"));
+}
+
+TEST(RemeshPoints, MakesNoMoreAttemptsThanItMayLookAtSamples) {
+  Problem problem{Sampled(Icosphere(4), 3000), {}};
+  problem.mesh.normals = problem.mesh.positions;
+  problem.options.mls_radius = 2;
+  std::vector<Attempt> attempts;
+  for (const double most : {3e9, 1.0}) {
+    absl::StatusOr<Preparation> prepared = Prepare(problem, {});
+    ASSERT_THAT(prepared, IsOk());
+    prepared->most_samples_seen = most;
+    CheckingSink sink;
+    absl::StatusOr<Attempt> attempt = AdvanceInAttempts(*prepared, sink, {});
+    ASSERT_THAT(attempt, IsOk());
+    attempts.push_back(*std::move(attempt));
+  }
+  EXPECT_EQ(attempts[0].fault_count(), 0u);
+  EXPECT_GT(attempts[0].widened, 1);
+  EXPECT_GT(attempts[1].fault_count(), 0u);
+  EXPECT_EQ(attempts[1].widened, 1);
 }
 
 TEST(RemeshPoints, KeepsToTheCountWanted) {

@@ -524,6 +524,30 @@ TEST(AdvanceFront, StopsAndSaysWhereItIsOpenBeyondTheLimits) {
   }
 }
 
+FrontReport AdvanceWithInsertions(double length, double max_error, double most) {
+  const SphereSurface sphere;
+  const FrontOptions options{.predicted_triangles = 3000, .max_error = max_error, .max_insertions = most};
+  Outcome run;
+  run.report = AdvanceFront(sphere, Uniform(length), {}, {sphere.Project({0, 0, 1}, 0)}, options, run.sink, {});
+  EXPECT_THAT(run.report, IsOk());
+  return run.report.ok() ? *run.report : FrontReport();
+}
+
+// Every triangle is off by several times what is asked for.
+TEST(AdvanceFront, InsertsNoMoreVerticesThanItMay) {
+  const auto none = static_cast<double>(AdvanceWithInsertions(0.1, 3e-4, 0).triangles);
+  const auto some = static_cast<double>(AdvanceWithInsertions(0.1, 3e-4, 60).triangles);
+  EXPECT_GT(some, none + 60);
+  EXPECT_LT(some, none + 180) << "two triangles a vertex";
+}
+
+// How far it goes with that is what it tells of triangles that it does not tell apart.
+TEST(AdvanceFront, LooksOnlyAtWhatIsFartherOffWhereItMayInsertNoMore) {
+  constexpr double kMaxError = 1.5e-3;
+  EXPECT_LT(AdvanceWithInsertions(0.06, kMaxError, 1000).largest_deviation, 1.3 * kMaxError);
+  EXPECT_GT(AdvanceWithInsertions(0.06, kMaxError, 0).largest_deviation, 1.4 * kMaxError);
+}
+
 TEST(AdvanceFront, ReportsASeedThatFindsNoTriangle) {
   class Bare : public SphereSurface {
     std::optional<SourcePoint> FindApex(const SourcePoint&, const SourcePoint&, double, double) const override {

@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <random>
 #include <vector>
 
 #include "core/mesh/hole_patch.h"
@@ -85,6 +86,51 @@ TEST(FillHoles, FillsTheSmallerOfTwoHolesThatTouch) {
   EXPECT_EQ(holes.filled, 1u);
   EXPECT_THAT(mesh, HasBoundaryLoops(2));
   EXPECT_THAT(mesh, IsManifold());
+}
+
+// P is there twice, and both copies have an edge to x: as one vertex they would have an edge of four triangles.
+//
+//      b───────c
+//      │ \   / │
+//      P───x───P
+//       \  │\  /
+//        \ a d/
+TEST(FillHoles, LeavesCopiesApartWhoseEdgesWouldBeOne) {
+  TriangleMesh mesh;
+  mesh.positions = {{0, 0, 0}, {0, 0, 0}, {1, 0, 0}, {0.5, 1, 0}, {0.5, 0.5, 1}, {0.5, -0.5, 1}, {0.5, -1, 0}};
+  const VertexId p(0), copy(1), x(2), a(3), b(4), c(5), d(6);
+  mesh.triangles = {{p, x, a}, {x, p, b}, {x, b, c}, {x, c, copy}, {x, copy, d}};
+  ASSERT_THAT(mesh, IsManifold());
+  Filled(mesh, 9);
+  EXPECT_THAT(mesh, IsManifold());
+}
+
+// A sheet that has lost triangles here and there, so that holes touch, and what is left sticks out into them.
+TEST(FillHoles, FillsRaggedHolesThatTouch) {
+  uint64_t pinched = 0, open = 0, all = 0;
+  for (uint64_t seed = 1; seed <= 15; ++seed) {
+    std::mt19937_64 random(seed);
+    TriangleMesh sheet = WithNoise(Sheet(12), 0.02, seed);
+    std::erase_if(sheet.triangles, [&](const Triangle& t) {
+      const bool is_inside = std::all_of(t.begin(), t.end(), [&](VertexId v) {
+        return std::abs(sheet.PositionAt(v).x) < 0.9 && std::abs(sheet.PositionAt(v).y) < 0.9;
+      });
+      return is_inside && random() % 6 == 0;
+    });
+    const size_t before = sheet.positions.size();
+    absl::StatusOr<RepairResult> repaired = RepairMesh(std::move(sheet), {});
+    ASSERT_TRUE(repaired.ok());
+    TriangleMesh mesh = std::move(repaired->mesh);
+    if (MeasureTopology(mesh).components > 1) continue;
+    pinched += mesh.positions.size() > before;
+    const FilledHoles holes = Filled(mesh, 1.5);
+    all += holes.filled + holes.left_open.size(), open += holes.left_open.size();
+    EXPECT_THAT(mesh, IsManifold()) << seed;
+    EXPECT_THAT(mesh, HasNoSelfIntersection()) << seed;
+    if (holes.left_open.empty()) EXPECT_THAT(mesh, HasBoundaryLoops(1)) << seed;
+  }
+  EXPECT_GT(pinched, 3u);
+  EXPECT_EQ(open, 0u) << "of " << all;
 }
 
 // Loops whose triangles would be those that are there, or edges a second time.

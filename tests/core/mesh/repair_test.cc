@@ -273,6 +273,24 @@ TEST(Repair, ClosesASeamThatIsOffByRounding) {
   EXPECT_EQ(result.mesh.positions.size(), 24u * 11 + 2);
 }
 
+// The same of a mesh that has nothing else to repair.
+TEST(Repair, ClosesTheSeamOfABandThatIsOffByRounding) {
+  TriangleMesh band;
+  const int around = 24;
+  for (int i = 0; i <= around; ++i) {
+    const double u = 2 * std::numbers::pi * i / around;
+    for (const double z : {0.0, 0.3}) band.positions.push_back({std::cos(u), std::sin(u), z});
+  }
+  for (uint32_t i = 0; i < around; ++i) {
+    const VertexId a(2 * i), b(2 * i + 1), c(2 * i + 2), d(2 * i + 3);
+    band.triangles.push_back({a, c, b});
+    band.triangles.push_back({b, c, d});
+  }
+  const RepairResult result = Repaired(band);
+  EXPECT_THAT(result.mesh, HasBoundaryLoops(2));
+  EXPECT_THAT(Told(result), ::testing::HasSubstr("snapped_vertices"));
+}
+
 TEST(Repair, LeavesASlitOpenThatIsNot) {
   const RepairResult result = Repaired(SphereWithASeam(24, 12, 1e-5));
   EXPECT_THAT(result.mesh, HasBoundaryLoops(1));
