@@ -105,6 +105,17 @@ TEST(FillHoles, LeavesCopiesApartWhoseEdgesWouldBeOne) {
   EXPECT_THAT(mesh, IsManifold());
 }
 
+// The hole P y z w, beside which the mesh has the triangle z w P at the other copy of P: its side P–z is no side of a patch.
+TEST(FillHoles, MakesNoEdgeThatAnotherCopyHas) {
+  TriangleMesh mesh;
+  mesh.positions = {{0, 0, 0}, {0, 0, 0}, {0.5, 1, 0}, {1, 0, 0}, {0.5, -0.1, 0.5}, {0.5, -1, 0}, {-1, 0.5, -1}};
+  const VertexId p(0), copy(1), y(2), z(3), w(4), q(5), r(6);
+  mesh.triangles = {{z, w, copy}, {z, copy, q}, {y, z, q}, {y, q, r}, {p, y, r}};
+  ASSERT_THAT(mesh, IsManifold());
+  EXPECT_EQ(Filled(mesh, 1.5).filled, 1u);
+  EXPECT_THAT(mesh, IsManifold());
+}
+
 // A sheet that has lost triangles here and there, so that holes touch, and what is left sticks out into them.
 TEST(FillHoles, FillsRaggedHolesThatTouch) {
   uint64_t pinched = 0, open = 0, all = 0;
