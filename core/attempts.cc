@@ -20,6 +20,7 @@
 #include "core/features/close_curves.h"
 #include "core/geometry/intersection.h"
 #include "core/geometry/triangle.h"
+#include "core/ground.h"
 #include "core/guidance/sizing.h"
 #include "core/loose_faces.h"
 #include "core/mesh/self_intersection.h"
@@ -40,8 +41,6 @@ constexpr uint64_t kHeldTriangles = 1 << 19;
 constexpr uint64_t kHeldPerFace = 8;  // of the input, where those are more: it takes more memory than they do
 // Where there are rims at all, or a number up to this is wanted: not much more than what the settling window keeps before it lets go of any.
 constexpr uint64_t kHeldInAnyCase = 6000;
-// Rough ground: this share of the edges turns by more than the angle of this cosine (80°).
-constexpr double kRoughShare = 0.005, kRoughCosine = 0.17;
 constexpr int kMaxAttempts = 7, kMaxForCount = 4;
 // Of a point set, no faces can be cut loose. What helps where shorter edges don't are wider supports: where samples lie unevenly or in a
 // cloud, those of four spacings see too few, and the surface has bumps or ends where there is none.
@@ -135,24 +134,6 @@ uint64_t HeldLimit(const Preparation& p, bool may_fail) {
   const uint64_t wanted = p.parameters.target_triangles;
   const uint64_t for_count = wanted <= kHeldInAnyCase ? wanted + wanted / 2 : 0;
   return p.loops.empty() ? for_count : std::max(for_count, kHeldInAnyCase);
-}
-
-// Whether so many edges turn sharply beside the creases that the front may fail somewhere. Of scans that it meshes well one edge in 300
-// does at most.
-bool IsRough(const MeshSurface& surface) {
-  const TriangleMesh& mesh = surface.mesh();
-  std::vector<Vec3> normals;
-  normals.reserve(mesh.triangles.size());
-  for (const Triangle& t : mesh.triangles)
-    normals.push_back(Normalized(AreaVector(mesh.PositionAt(t[0]), mesh.PositionAt(t[1]), mesh.PositionAt(t[2]))));
-  uint64_t sharp = 0, edges = 0;
-  for (uint32_t h = 0; h < 3 * mesh.triangles.size(); ++h) {
-    const uint32_t across = surface.adjacency().OppositeOf(h);
-    if (across == kNoHalfEdge || across < h) continue;
-    ++edges;
-    sharp += Dot(normals[h / 3], normals[across / 3]) < kRoughCosine;
-  }
-  return static_cast<double>(sharp) > kRoughShare * static_cast<double>(edges);
 }
 
 TriangleMesh MeshOf(const std::vector<HeldPiece>& pieces) {
@@ -400,8 +381,9 @@ absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& p, MeshSink& sink, const 
   if (!p.points) {
     MESHFRONT_ASSIGN_OR_RETURN(is_close, DoCurvesLieClose(*p.surface, p.loops, context));
   }
-  const bool is_rough = !p.points && IsRough(*p.surface);
-  HoldingSink held(sink, HeldLimit(p, is_close || is_rough || WasSoup(p)));
+  const Ground ground = p.points ? Ground{} : GroundOf(*p.surface, *p.field);
+  const bool is_rough = ground.is_rough;
+  HoldingSink held(sink, HeldLimit(p, is_close || is_rough || ground.folds_back || WasSoup(p)));
   const uint64_t wanted = p.parameters.target_triangles;
   Attempt best;
   double samples_seen = 0;

@@ -48,6 +48,8 @@ constexpr double kMinDiagonal = 1e-30, kMaxDiagonal = 1e30;
 // Edges of rims and creases lie within this part of the error bound of the curve: nothing moves or divides them later, and the triangles
 // beside them need some of it.
 constexpr double kSagittaPerMaxError = 0.9;
+// Where a count is wanted the error is what comes of it; but new vertices mend what is far off everywhere but there.
+constexpr double kSagittaPerErrorForCount = 3;
 
 // g where the mesh is made again, in parts of what it was.
 constexpr double kFinerPerGuidance = 0.5;
@@ -350,8 +352,8 @@ absl::Status MeasureCurvature(Preparation& p, const Context& context) {
 }
 
 double MaxSagitta(const Preparation& p) {
-  const bool is_kept = p.parameters.options.sizing == Sizing::kError && p.parameters.target_triangles == 0;
-  return is_kept ? kSagittaPerMaxError * p.parameter : std::numeric_limits<double>::infinity();
+  if (p.parameters.options.sizing != Sizing::kError) return std::numeric_limits<double>::infinity();
+  return (p.parameters.target_triangles == 0 ? kSagittaPerMaxError : kSagittaPerErrorForCount) * p.parameter;
 }
 
 }  // namespace

@@ -24,6 +24,7 @@ constexpr double kMinAgreement =
     0.3;  // cosine between the normals of new triangles and of the surface at their corners
 constexpr double kLeastAgreement = 0;                    // … where those that they replace have less than that
 constexpr double kMinRadiusRatio = 0.2;                  // of new triangles
+constexpr double kMinRimRatio = 0.4;                     // … of those on a rim, which nothing turns away from it
 constexpr double kMinAnyRatio = 0.1;                     // … where any shape will do
 constexpr double kMinLastRatio = 0.03;                   // … beside what has settled, so that it can't be taken back
 constexpr double kLiftedTo = 0.97;                       // of the bound: where a worst place is moved
@@ -37,6 +38,7 @@ constexpr int kEnclosingSteps = 100;
 constexpr double kMinEqualizedRatio = 0.4;
 constexpr double kRound =
     0.9;  // radius ratio of the worst triangle around a vertex, from which on it is left where it is
+constexpr double kPoor = 0.7;  // radius ratio of a triangle below which its sides are tried the other way
 constexpr int kRoundingSweeps = 4;
 constexpr double kRoundingSteps[] = {0.2, 0.1, 0.05};  // in parts of the mean spoke
 constexpr double kNearSide = 0.25;  // weight of the opposite corner below which a place lies next to a side
@@ -260,23 +262,29 @@ void Refinement::TurnTowards(WindowVertexId v) {
   for (const WindowTriangleId t : fan) {
     const auto& corners = fronts_.at(t).corners;
     const auto corner = static_cast<int>(std::find(corners.begin(), corners.end(), v) - corners.begin());
-    if (TryTurnAndRound(Link::HalfEdge(t, (corner + 1) % 3))) return;
+    const Link side = Link::HalfEdge(t, (corner + 1) % 3);
+    const Quad q = QuadAround(side);
+    if (q.is_free && HasBetterValences(q) && TryTurnAndRound(side)) return;
   }
 }
 
+// The least ratio of the triangles at a side's four corners.
+double Refinement::WorstAround(const Quad& q) const {
+  double least = 1;
+  for (const WindowVertexId v : {q.a, q.b, q.c, q.d})
+    fronts_.VisitFan(v, [&](WindowTriangleId t, int) { least = std::min(least, RatioOf(fronts_.at(t).corners)); });
+  return least;
+}
+
+// Turns a side and moves the four corners to where that is rounder; takes it back if the worst triangle around is not rounder then.
 bool Refinement::TryTurnAndRound(Link h) {
   const Quad q = QuadAround(h);
-  if (!q.is_free || !HasBetterValences(q) || !MayTurn(q)) return false;
+  if (!q.is_free || !MayTurn(q)) return false;
   if (!MeasureCorners({q.c, q.d, q.b}).is_kept || !MeasureCorners({q.d, q.c, q.a}).is_kept) return false;
   const std::array<WindowVertexId, 4> moved = {q.a, q.b, q.c, q.d};
-  const auto worst = [&] {
-    double least = 1;
-    for (const WindowVertexId v : moved) least = std::min(least, WorstAround(v, fronts_.at(v).position));
-    return least;
-  };
   std::array<std::pair<SourcePoint, Vec3>, 4> places;
   for (int i = 0; i < 4; ++i) places[i] = {fronts_.at(moved[i]).source, fronts_.at(moved[i]).position};
-  const double before = worst();
+  const double before = WorstAround(q);
   const WindowTriangleId s = h.triangle(), t = fronts_.at(s).across[h.side()].triangle();
   fronts_.Flip(h);
   Measure(s), Measure(t);
@@ -285,12 +293,20 @@ bool Refinement::TryTurnAndRound(Link h) {
       if (MayMove(v)) RoundOff(v);
     }
   }
-  if (worst() > before) return true;
+  if (WorstAround(q) > before) return true;
   for (int i = 0; i < 4; ++i)
     fronts_.at(moved[i]).source = places[i].first, fronts_.at(moved[i]).position = places[i].second;
   fronts_.Flip(Link::HalfEdge(s, 0));
   for (const WindowVertexId v : moved) fronts_.VisitFan(v, [&](WindowTriangleId around, int) { Measure(around); });
   return false;
+}
+
+void Refinement::TurnAway(const std::vector<WindowTriangleId>& triangles) {
+  for (const WindowTriangleId t : triangles) {
+    for (int side = 0; side < 3 && fronts_.at(t).alive && RatioOf(fronts_.at(t).corners) < kPoor; ++side) {
+      if (TryTurnAndRound(Link::HalfEdge(t, side))) break;
+    }
+  }
 }
 
 double Refinement::WorstAround(WindowVertexId id, const Vec3& place) const {
@@ -403,6 +419,17 @@ bool Refinement::FitsBetween(const Vec3& place, const Vec3& place_normal, double
   });
 }
 
+// Whether a new vertex there lies so close to one of these sides that is a rim that the triangle between stays flat. Not where the bound
+// is to be kept: what is refused here comes as any shape then.
+bool Refinement::CrowdsRim(const Vec3& place, absl::Span<const std::array<WindowVertexId, 2>> opposite) const {
+  if (certain_ || least_ratio_ != kMinRadiusRatio) return false;
+  return std::any_of(opposite.begin(), opposite.end(), [&](const std::array<WindowVertexId, 2>& side) {
+    if (RadiusRatio(place, fronts_.at(side[0]).position, fronts_.at(side[1]).position) >= kMinRimRatio) return false;
+    const Link link = SideBetween(side[0], side[1]);
+    return link.is_half_edge() && fronts_.at(link.triangle()).across[link.side()].is_rim();
+  });
+}
+
 WindowVertexId Refinement::NewVertex(const SourcePoint& source, WindowVertexId a, WindowVertexId b) {
   const WindowVertexId v =
       fronts_.AddVertex(source, 0.5 * (fronts_.at(a).length + fronts_.at(b).length), surface_.MaxCurvatureAt(source));
@@ -423,7 +450,9 @@ bool Refinement::TrySplitSide(Link h, const Vec3& target) {
   const WindowVertexId c = s.corners[(h.side() + 2) % 3], d = fronts_.at(g.triangle()).corners[(g.side() + 2) % 3];
   const SourcePoint source = surface_.Snap(fronts_.at(a).source, target);
   const double least_agreement = std::min(LeastAgreement({a, b, c}), LeastAgreement({b, a, d}));
-  if (!FitsBetween(source.position, source.normal, least_agreement, {{b, c}, {c, a}, {a, d}, {d, b}})) return false;
+  const std::array<std::array<WindowVertexId, 2>, 4> around = {{{b, c}, {c, a}, {a, d}, {d, b}}};
+  if (!FitsBetween(source.position, source.normal, least_agreement, around) || CrowdsRim(source.position, around))
+    return false;
   Touch(h.triangle()), Touch(g.triangle());
   fronts_.SplitSide(h, NewVertex(source, a, b));
   return true;
@@ -537,8 +566,10 @@ bool Refinement::SplitAtWorst(WindowTriangleId id, const Deviation& deviation) {
   const double longest = std::max({Distance(p[0], p[1]), Distance(p[1], p[2]), Distance(p[2], p[0])});
   if (longest < 2 * std::max(min_edge_, kShortestPerGuidance * fronts_.at(corners[0]).length)) return false;
   if (weight[least] < kNearSide / 2) return false;  // on a side that can't be split
-  if (!FitsBetween(deviation.worst.foot.position, deviation.worst.foot.normal, LeastAgreement(corners),
-                   {{corners[0], corners[1]}, {corners[1], corners[2]}, {corners[2], corners[0]}}))
+  const std::array<std::array<WindowVertexId, 2>, 3> around = {
+      {{corners[0], corners[1]}, {corners[1], corners[2]}, {corners[2], corners[0]}}};
+  const SourcePoint& foot = deviation.worst.foot;
+  if (!FitsBetween(foot.position, foot.normal, LeastAgreement(corners), around) || CrowdsRim(foot.position, around))
     return false;
   Touch(id);
   const WindowVertexId v = NewVertex(deviation.worst.foot, corners[0], corners[1]);

@@ -44,6 +44,8 @@ class Refinement {
                                      absl::FunctionRef<size_t(double excess)> limit);
   // Moves the vertices to where the triangles around them are rounder, as far as these stay within the bound.
   void RoundOff(const std::vector<WindowVertexId>& vertices);
+  // Turns sides of the poor ones among the triangles, where the worst around is rounder once the corners have moved.
+  void TurnAway(const std::vector<WindowTriangleId>& triangles);
   // Moves a vertex, if no triangle around it leaves the bound by that.
   bool TryMove(WindowVertexId v, const Vec3& place);
   // What it keeps, a little less than max_error.
@@ -80,6 +82,7 @@ class Refinement {
   bool TryTurnAndRound(Link half_edge);
   void RoundOff(WindowVertexId v);
   double WorstAround(WindowVertexId v, const Vec3& place) const;
+  double WorstAround(const Quad& q) const;
   double LeastRatioFor(WindowTriangleId t, Manner manner) const;
   void RefineAt(WindowTriangleId t, const Deviation& deviation, Manner manner);
   bool HalveSides(WindowTriangleId t, const Deviation& deviation);
@@ -93,6 +96,7 @@ class Refinement {
   double LeastAgreement(const Corners& corners) const;
   bool FitsBetween(const Vec3& place, const Vec3& normal, double least_agreement,
                    absl::Span<const std::array<WindowVertexId, 2>> opposite) const;
+  bool CrowdsRim(const Vec3& place, absl::Span<const std::array<WindowVertexId, 2>> opposite) const;
   WindowVertexId NewVertex(const SourcePoint& source, WindowVertexId a, WindowVertexId b);
 
   const Surface& surface_;

@@ -520,6 +520,7 @@ void SettlingWindow::RoundOff(const std::vector<WindowTriangleId>& triangles) {
       corners.insert(corners.end(), t.corners.begin(), t.corners.end());
   }
   refinement_.RoundOff(MadeUnique(std::move(corners)));
+  refinement_.TurnAway(triangles);
 }
 
 double SettlingWindow::RefinedBeyond(const SettlingOptions& options) {

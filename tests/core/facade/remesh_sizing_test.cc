@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/guidance/sizing.h"
+#include "core/mesh/distance.h"
 #include "core/remesh.h"
 #include "tests/core/facade/zoo.h"
 #include "tests/support/matchers.h"
@@ -106,6 +107,21 @@ INSTANTIATE_TEST_SUITE_P(Shapes, EveryCount,
                            return std::get<0>(info.param).name + NameOf(std::get<1>(info.param)) + "Eta" +
                                   std::to_string(std::lround(10 * std::get<2>(info.param)));
                          });
+
+// What is inserted beside the edges of the hole, which nothing turns or moves, stays as flat as it is put there: .33 without the rule.
+TEST(Counts, PutNoFlatTrianglesOnCreases) {
+  const Outcome out = RemeshOrFail(PlateWithRoundHole(), Counting(Sizing::kError, 8000));
+  EXPECT_GT(out.report.quality.radius_ratio_min, 0.5);
+}
+
+// Nothing divides a crease once its edges are made. 14 facets meet the caps in corners of 26 degrees: one was cut off by 3.7 bounds.
+TEST(Counts, CutOffNoCornersOfCreases) {
+  const TriangleMesh shape = CappedCylinder(1, 1, 14, 8);
+  const Outcome out = RemeshOrFail(shape, Counting(Sizing::kError, 2000));
+  const auto distance = MeasureDistance(out.mesh, shape, {}, {});
+  ASSERT_THAT(distance, IsOk());
+  EXPECT_LT(distance->SymmetricMax(), 3.3 * out.report.parameters.options.max_error->value);
+}
 
 // A plate that is thinner than the edges that are asked for takes shorter ones, and a sphere does not.
 TEST(Sizes, AreWarnedOfWhereOthersComeOut) {

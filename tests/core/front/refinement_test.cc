@@ -1,8 +1,12 @@
 #include "core/front/refinement.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
+#include <vector>
 
+#include "core/geometry/triangle.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/core/front/fake_surfaces.h"
@@ -99,6 +103,45 @@ TEST(Refinement, MovesNoVertexOutOfTheBound) {
   EXPECT_EQ(fronts.at(middle).position, Vec3(0, 0, 1));
   EXPECT_TRUE(refinement.TryMove(middle, {0, 0, 1.01}));
   EXPECT_EQ(fronts.at(middle).position, Vec3(0, 0, 1.01));
+}
+
+//     f ------- e
+//    /  \    /   \         a, b and c are a rim that turns in at b, where two triangles of 120 degrees meet: no place of p makes
+//   g --- p ------ d       both round. A side turned to b does, once p has moved.
+//    \  / | \   /
+//     a _ b _ c
+TEST(Refinement, TurnsASideToAVertexThatHasTooFewWhereThatIsRounderOnceOthersHaveMoved) {
+  const PlaneSurface plane;
+  FrontSet fronts;
+  std::vector<WindowVertexId> rim;
+  const auto vertex = [&](double x, double y) { return fronts.AddVertex({{x, y, 0}, {0, 0, 1}}, 0.7, 0); };
+  for (const auto& [x, y] :
+       {std::pair{-0.433, -0.25}, {-1.0, 0.3}, {-0.5, 1.0}, {0.5, 1.0}, {1.0, 0.3}, {0.433, -0.25}, {0.0, 0.0}})
+    rim.push_back(vertex(x, y));
+  const WindowVertexId p = vertex(0, 0.5);
+  FrontSet::Step step = fronts.Grow(fronts.AddLoop(rim), p);
+  while (fronts.front_edge_count() > 0) {
+    const FrontEdgeId next = fronts.at(step.made[step.made_count - 1]).next;
+    step = fronts.Connect(next, fronts.at(next).prev, TriangleKind::kConnection);
+  }
+  const auto worst = [&] {
+    double least = 1;
+    for (const WindowTriangleId t : LiveTriangles(fronts)) {
+      const auto& c = fronts.at(t).corners;
+      least =
+          std::min(least, RadiusRatio(fronts.at(c[0]).position, fronts.at(c[1]).position, fronts.at(c[2]).position));
+    }
+    return least;
+  };
+  Refinement refinement(plane, fronts, 0.1, 0, 0, false);
+  refinement.RoundOff(std::vector{p});
+  EXPECT_LT(worst(), 0.5);
+  refinement.TurnAway(LiveTriangles(fronts));
+  EXPECT_GT(worst(), 0.59);
+  EXPECT_EQ(FaultOf(fronts), "");
+  const Vec3 before = fronts.at(p).position;
+  refinement.TurnAway(LiveTriangles(fronts));
+  EXPECT_EQ(fronts.at(p).position, before) << "what makes nothing rounder is taken back";
 }
 
 }  // namespace
