@@ -159,8 +159,9 @@ class AdvancingFront {
     return std::isfinite(options_.max_error) ? options_.max_error : options_.bound_per_length * length;
   }
   uint32_t NewOrigin() { return labels_.emplace_back(static_cast<uint32_t>(labels_.size())); }
-  uint32_t RootOf(uint32_t label) const {
-    while (labels_[label] != label) label = labels_[label];
+  // Halves the path to it, which is as long as there are patches otherwise.
+  uint32_t RootOf(uint32_t label) {
+    while (labels_[label] != label) label = labels_[label] = labels_[labels_[label]];
     return label;
   }
   EdgeState& StateOf(FrontEdgeId edge) {
