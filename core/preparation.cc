@@ -351,9 +351,13 @@ absl::Status MeasureCurvature(Preparation& p, const Context& context) {
   return absl::OkStatus();
 }
 
-double MaxSagitta(const Preparation& p) {
-  if (p.parameters.options.sizing != Sizing::kError) return std::numeric_limits<double>::infinity();
-  return (p.parameters.target_triangles == 0 ? kSagittaPerMaxError : kSagittaPerErrorForCount) * p.parameter;
+SagittaLimits SagittaLimitsOf(const Preparation& p) {
+  SagittaLimits limits;
+  const Sizing sizing = p.parameters.options.sizing;
+  if (sizing == Sizing::kError)
+    limits.any = (p.parameters.target_triangles == 0 ? kSagittaPerMaxError : kSagittaPerErrorForCount) * p.parameter;
+  if (sizing == Sizing::kAngle || sizing == Sizing::kThickness) limits.rim_per_length = ErrorPerLength(p.parameter);
+  return limits;
 }
 
 }  // namespace
@@ -422,7 +426,7 @@ absl::Status SetLoops(Preparation& p, const Context& context) {
     SetPointFronts(p);
     return absl::OkStatus();
   }
-  MESHFRONT_ASSIGN_OR_RETURN(p.loops, BoundaryLoops(*p.surface, *p.field, MaxSagitta(p), context));
+  MESHFRONT_ASSIGN_OR_RETURN(p.loops, BoundaryLoops(*p.surface, *p.field, SagittaLimitsOf(p), context));
   return absl::OkStatus();
 }
 
