@@ -432,8 +432,12 @@ absl::Status SetLoops(Preparation& p, const Context& context) {
 
 absl::Status CheckFeatures(const Problem& problem) {
   if (problem.features.segments.empty()) return absl::OkStatus();
-  if (!problem.prepared && IsMeshedAsPoints(problem))
-    return absl::InvalidArgumentError("options.features is set; it needs a mesh, and this is a point set");
+  if (!problem.prepared && !problem.mesh.IsPointSet() && IsMeshedAsPoints(problem)) {
+    return absl::InvalidArgumentError(
+        "options.features is set beside options.surface, which makes samples of the mesh; leave options.surface out to "
+        "keep "
+        "lines");
+  }
   return ValidatePolylines(problem.features);
 }
 

@@ -195,14 +195,14 @@ absl::Status InputAssembler::AnnounceRegion(const v1::RemeshOptions& options) {
 
 absl::Status InputAssembler::AnnounceFeatures(const v1::RemeshOptions& options, const v1::Header& header) {
   if (!options.has_features()) return absl::OkStatus();
-  if (header.has_points())
-    return absl::InvalidArgumentError("options.features is set; it needs a mesh, and this is a point set");
   const uint64_t points = options.features().point_count(), segments = options.features().segment_count();
   MESHFRONT_RETURN_IF_ERROR(CheckCount("options.features.point_count", points, limits_.max_vertices));
   MESHFRONT_RETURN_IF_ERROR(CheckCount("options.features.segment_count", segments, limits_.max_triangles));
   MESHFRONT_ASSIGN_OR_RETURN(
       const v1::ScalarType scalar,
-      ResolveScalarType(header.mesh().scalar_type(), v1::SCALAR_TYPE_FLOAT64, "mesh.scalar_type"));
+      header.has_points()
+          ? ResolveScalarType(header.points().scalar_type(), v1::SCALAR_TYPE_FLOAT64, "points.scalar_type")
+          : ResolveScalarType(header.mesh().scalar_type(), v1::SCALAR_TYPE_FLOAT64, "mesh.scalar_type"));
   arrays_.push_back(ArrayWriter::ForPoints(v1::ARRAY_FEATURE_POSITIONS, &input_.features.points, points, scalar));
   arrays_.push_back(ArrayWriter::ForNumbers(v1::ARRAY_FEATURE_SEGMENTS, &segment_ends_, 2 * segments));
   return absl::OkStatus();

@@ -149,10 +149,65 @@ TEST(RemeshFeatures, AreRefusedWhereThereIsNoPlaceForThem) {
   CollectingSink sink;
   EXPECT_THAT(Remesh({Cube(3), {}, std::nullopt, nullptr, off}, sink, {}),
               StatusIs(absl::StatusCode::kInvalidArgument, "options.features.segments[0] lies at 0.5, 0.3, 1.2"));
-  TriangleMesh points = Icosphere(3);
-  points.triangles.clear();
-  EXPECT_THAT(Remesh({points, {}, std::nullopt, nullptr, off}, sink, {}),
-              StatusIs(absl::StatusCode::kInvalidArgument, "point set"));
+  Problem sampled{Cube(3), {}, std::nullopt, nullptr, off};
+  sampled.options.surface = SurfaceKind::kImls;
+  EXPECT_THAT(Remesh(std::move(sampled), sink, {}),
+              StatusIs(absl::StatusCode::kInvalidArgument, "leave options.surface out to keep lines"));
+  Problem apart{Sampled(Icosphere(3), 6), {}, std::nullopt, nullptr, off};  // no surface
+  EXPECT_FALSE(Remesh(std::move(apart), sink, {}).ok());
+}
+
+// A closed line around a ball and one that ends inside of its face, both a little off the points.
+TEST(RemeshFeatures, AreKeptOnPoints) {
+  const int n = 60;
+  Polylines lines;
+  for (int i = 0; i < n; ++i) {
+    const double angle = 2 * std::numbers::pi * i / n;
+    lines.points.push_back({0.802 * std::cos(angle), 0.802 * std::sin(angle), 0.6});
+    lines.segments.push_back({static_cast<uint32_t>(i), static_cast<uint32_t>((i + 1) % n)});
+  }
+  for (int i = 0; i <= 10; ++i) {
+    lines.points.push_back({std::cos(0.1 * i), std::sin(0.1 * i), 0});
+    if (i > 0) lines.segments.push_back({static_cast<uint32_t>(n + i - 1), static_cast<uint32_t>(n + i)});
+  }
+  for (const bool with_creases : {true, false}) {
+    CheckingSink sink;
+    Problem problem{Sampled(Icosphere(5), 8000), {}, std::nullopt, nullptr, lines};
+    if (!with_creases) problem.options.crease_angle = std::nullopt;
+    const absl::StatusOr<Report> report = Remesh(std::move(problem), sink, {});
+    ASSERT_THAT(report, IsOk());
+    EXPECT_TRUE(report->complete && report->input.is_point_set);
+    EXPECT_EQ(report->parameters.feature_segments, lines.segments.size());
+    EXPECT_THAT(report->warnings, ::testing::Contains(::testing::HasSubstr("lines are to be kept on the point set")));
+    EXPECT_THAT(sink.mesh(), IsClosedManifold());
+    EXPECT_THAT(sink.mesh(), HasGenus(0));
+    const double close = report->error_bound + 0.005;  // how far the lines are off
+    for (int i = 0; i < 100; ++i) {
+      const double around = 2 * std::numbers::pi * i / 100, along = 0.01 * i;
+      EXPECT_LE(NearestEdgeAlong(sink.mesh(), {0.8 * std::cos(around), 0.8 * std::sin(around), 0.6},
+                                 {-std::sin(around), std::cos(around), 0}),
+                close);
+      EXPECT_LE(
+          NearestEdgeAlong(sink.mesh(), {std::cos(along), std::sin(along), 0}, {-std::sin(along), std::cos(along), 0}),
+          close);
+    }
+  }
+}
+
+// A cube has its edges as well.
+TEST(RemeshFeatures, AreKeptBesideTheEdgesOfPoints) {
+  const Vec3 a{-0.5, -0.4, 1}, b{0.6, 0.3, 1};
+  CheckingSink sink;
+  const absl::StatusOr<Report> report =
+      Remesh({Sampled(Cube(3), 12000), {}, std::nullopt, nullptr, Line({a, b})}, sink, {});
+  ASSERT_THAT(report, IsOk());
+  EXPECT_TRUE(report->complete);
+  EXPECT_THAT(report->warnings, ::testing::Contains(::testing::HasSubstr("creases were found on the point set")));
+  EXPECT_THAT(sink.mesh(), IsClosedManifold());
+  for (const Vec3& p : {a, b}) EXPECT_LE(NearestVertex(sink.mesh(), p), 0.01);
+  for (int i = 1; i < 40; ++i)
+    EXPECT_LE(NearestEdgeAlong(sink.mesh(), a + i / 40.0 * (b - a), Normalized(b - a)), 0.01);
+  EXPECT_LE(NearestVertex(sink.mesh(), {1, 1, 1}), 0.03);
 }
 
 }  // namespace
