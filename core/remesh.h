@@ -97,6 +97,9 @@ struct Problem {
   // region what lies on faces away from its border, with a warning that says which segments do not. A point set becomes a mesh for that,
   // as with sharp edges (sharp_points.h), and lines come to its surface. Not with a mesh that is meshed as a point set.
   Polylines features;
+  // Takes the whole mesh as well, also where the region's `patch_only` keeps the rest from the caller's sink, in the order that it has
+  // without, but for normals: for who goes on with it. Outlives the call; null: nobody does. Of Remesh alone.
+  MeshSink* whole = nullptr;
   int most_attempts = 16;  // attempts.h makes no more where the mesh is but a means to another
 };
 

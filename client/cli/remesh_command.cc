@@ -103,7 +103,11 @@ class RemeshCommand {
 
   absl::Status ParseSession() {
     const std::string &session = arguments_.session, &kept = arguments_.keep_session;
-    if (session.empty() && kept.empty()) return absl::OkStatus();
+    call_.update_session = arguments_.update_session;
+    if (session.empty() && kept.empty()) {
+      if (!arguments_.update_session) return absl::OkStatus();
+      return absl::InvalidArgumentError("--update-session needs --session or --keep-session, whose mesh it replaces");
+    }
     if (!remote()) {
       return absl::InvalidArgumentError(
           absl::StrCat(kept.empty() ? "--session" : "--keep-session", " needs --server: the session lives there"));
