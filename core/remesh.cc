@@ -28,6 +28,10 @@ constexpr uint64_t kMinTargetTriangles = 4;  // a tetrahedron
 constexpr double kMaxRho = 2 * std::numbers::pi / 3;
 constexpr double kMaxBlend = 1000;
 constexpr double kManyMore = 1.5;  // triangles than edges of the length that was asked for would make
+// Of a result that has so many triangles, so many times the input's and so many times what its curvature asks for, a warning says so.
+constexpr uint64_t kLargeResult = 10000;
+constexpr uint64_t kManyPerInput = 4;
+constexpr double kManyPerCurvature = 2;
 constexpr double kMinMlsRadius = 2, kMaxMlsRadius = 16;
 
 using Clock = std::chrono::steady_clock;
@@ -182,6 +186,38 @@ double TrianglesOfLength(const MeshSurface& surface, double length) {
     area +=
         TriangleArea(surface.mesh().PositionAt(t[0]), surface.mesh().PositionAt(t[1]), surface.mesh().PositionAt(t[2]));
   return area * 4 / (std::sqrt(3.0) * length * length);
+}
+
+// How many triangles curvature alone would ask for, without grading, narrow strips and thin parts.
+double TrianglesOfCurvature(const Preparation& p) {
+  const MeshSurface& surface = *p.surface;
+  double count = 0;
+  for (const Triangle& t : surface.mesh().triangles) {
+    double inverse = 0;  // of squared lengths, on the average of the corners
+    for (const VertexId v : t) {
+      const double wanted = IdealLength(p.parameter, surface.vertex_curvatures()[v.index()]);
+      const double length = std::clamp(wanted, p.parameters.min_edge, p.parameters.max_edge);
+      inverse += 1 / (3 * length * length);
+    }
+    count += inverse * TriangleArea(surface.mesh().PositionAt(t[0]), surface.mesh().PositionAt(t[1]),
+                                    surface.mesh().PositionAt(t[2]));
+  }
+  return count * 4 / std::sqrt(3.0);
+}
+
+// A coarse model with narrow faces or seams close together: what came out is what was asked for, and more than many expect.
+void WarnOfManyTriangles(const Preparation& p, uint64_t made, Report& report) {
+  const RemeshOptions& options = report.parameters.options;
+  const bool by_rho = options.sizing == Sizing::kAngle && report.parameters.target_triangles == 0;
+  if (!by_rho || p.region || p.points || made < kLargeResult || p.input.is_point_set) return;
+  if (made < kManyPerInput * p.input.topology.triangles) return;
+  const double of_curvature = TrianglesOfCurvature(p);
+  if (static_cast<double>(made) < kManyPerCurvature * of_curvature) return;
+  report.warnings.push_back(
+      absl::StrCat(made, " triangles of an input of ", p.input.topology.triangles,
+                   ", where its curvature asks for about ", std::llround(of_curvature),
+                   " at this rho: creases, seams and rims that lie close together need the "
+                   "rest; min_edge or target_triangles make fewer, and estimate predicts how many"));
 }
 
 // Where thin walls, rims or faults ask for shorter edges than were wanted.
@@ -405,6 +441,7 @@ absl::StatusOr<std::optional<Report>> RemeshPrepared(Preparation& p, const Sinks
   WarnOfDeviations(front, p.scale, report);
   WarnOfFaults(attempt, report);
   WarnOfSizes(p, front.triangles, report);
+  WarnOfManyTriangles(p, front.triangles, report);
   WarnOfGaps(attempt.gaps, p.scale, report);
   if (has_other_topology) report.warnings.push_back(OtherTopology(p.input.topology, report.output));
   ReportRegion(p, front, report);
