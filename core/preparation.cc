@@ -351,12 +351,24 @@ absl::Status MeasureCurvature(Preparation& p, const Context& context) {
   return absl::OkStatus();
 }
 
+// The largest g at some thousand vertices, evenly spread: about the longest edge.
+double LongestIdealLength(const Preparation& p) {
+  constexpr size_t samples = 1024;
+  const std::vector<Vec3>& positions = p.surface->mesh().positions;
+  const size_t stride = std::max<size_t>(1, positions.size() / samples);
+  double longest = 0;
+  for (size_t v = 0; v < positions.size(); v += stride) longest = std::max(longest, p.field->At(positions[v]));
+  return longest;
+}
+
+// Rims keep eq. 7, the bound that is reported of the surface.
 SagittaLimits SagittaLimitsOf(const Preparation& p) {
   SagittaLimits limits;
   const Sizing sizing = p.parameters.options.sizing;
   if (sizing == Sizing::kError)
     limits.any = (p.parameters.target_triangles == 0 ? kSagittaPerMaxError : kSagittaPerErrorForCount) * p.parameter;
-  if (sizing == Sizing::kAngle || sizing == Sizing::kThickness) limits.rim_per_length = ErrorPerLength(p.parameter);
+  const bool by_angle = sizing == Sizing::kAngle || sizing == Sizing::kThickness;
+  if (by_angle && p.input.topology.boundary_loops > 0) limits.rim = ErrorPerLength(p.parameter) * LongestIdealLength(p);
   return limits;
 }
 

@@ -87,7 +87,6 @@ class LoopBuilder {
   void FindLeastPoints();
   void FindTwins();
   absl::Status Divide(size_t curve, const GuidanceField& field, const Context& context);
-  double MaxSagitta(size_t curve, const Curve& polyline, const GuidanceField& field) const;
   void DivideLike(size_t curve, const Twin& twin);
   absl::Status SplitTwins(const GuidanceField& field, const Context& context);
   void NumberJoints();
@@ -182,13 +181,6 @@ void LoopBuilder::DivideLike(size_t curve, const Twin& twin) {
   places_[curve][0] = surface_.mesh().positions[graph_.curves()[curve].start()];
 }
 
-double LoopBuilder::MaxSagitta(size_t curve, const Curve& polyline, const GuidanceField& field) const {
-  if (graph_.curves()[curve].is_crease || !std::isfinite(limits_.rim_per_length)) return limits_.any;
-  double longest = 0;
-  for (size_t i = 0; i < polyline.size(); ++i) longest = std::max(longest, field.At(polyline[i]));
-  return std::min(limits_.any, limits_.rim_per_length * longest);
-}
-
 absl::Status LoopBuilder::Divide(size_t curve, const GuidanceField& field, const Context& context) {
   if (graph_.curves()[curve].is_border) {
     points_[curve] = {{0, 0}};
@@ -200,7 +192,8 @@ absl::Status LoopBuilder::Divide(size_t curve, const GuidanceField& field, const
     return absl::OkStatus();
   }
   const Curve polyline = graph_.CurveOf(graph_.curves()[curve]);
-  const CurveLimits limits{least_[curve], MaxSagitta(curve, polyline, field), field.options().min_length};
+  const double sagitta = graph_.curves()[curve].is_crease ? limits_.any : std::min(limits_.any, limits_.rim);
+  const CurveLimits limits{least_[curve], sagitta, field.options().min_length};
   MESHFRONT_ASSIGN_OR_RETURN(points_[curve],
                              ResampleCurve(
                                  polyline, [&](const Vec3& x) { return field.At(x); }, context, limits));

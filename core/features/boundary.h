@@ -19,11 +19,10 @@ namespace meshfront {
 absl::StatusOr<std::vector<SizingSample>> BoundarySizingSamples(
     const MeshSurface& surface, absl::FunctionRef<double(double max_curvature)> ideal_length, const Context& context);
 
-// How far an edge may lie from the curve that it divides.
+// How far an edge may lie from the curve that it divides, absolute.
 struct SagittaLimits {
-  double any = std::numeric_limits<double>::infinity();  // absolute, of every curve
-  double rim_per_length =
-      std::numeric_limits<double>::infinity();  // of rims: in parts of the largest g along them (eq. 7)
+  double any = std::numeric_limits<double>::infinity();  // of every curve
+  double rim = std::numeric_limits<double>::infinity();  // of rims
 };
 
 // One loop per rim of the surface and of its patches between creases, in the order of FindBoundaryLoops: at least three

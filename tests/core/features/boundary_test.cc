@@ -319,7 +319,7 @@ TEST(BoundaryLoops, KeepTheSagittaThatIsAskedFor) {
     return count;
   };
   EXPECT_GT(points({0.005}), points({}) + 8);
-  EXPECT_EQ(points({.rim_per_length = 0.01}), points({0.005})) << "of the 0.5 that edges are long";
+  EXPECT_EQ(points({.rim = 0.005}), points({0.005}));
 }
 
 }  // namespace
