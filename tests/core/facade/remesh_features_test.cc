@@ -1,8 +1,12 @@
 // Lines that a caller wants: the output has them as edges, from end to end.
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "core/geometry/segment.h"
+#include "core/mesh/adjacency.h"
 #include "core/remesh.h"
 #include "tests/support/checking_sink.h"
 #include "tests/support/matchers.h"
@@ -208,6 +212,53 @@ TEST(RemeshFeatures, AreKeptBesideTheEdgesOfPoints) {
   for (int i = 1; i < 40; ++i)
     EXPECT_LE(NearestEdgeAlong(sink.mesh(), a + i / 40.0 * (b - a), Normalized(b - a)), 0.01);
   EXPECT_LE(NearestVertex(sink.mesh(), {1, 1, 1}), 0.03);
+}
+
+// Sides that have one face.
+std::vector<std::array<Vec3, 2>> RimOf(const TriangleMesh& mesh) {
+  const FaceAdjacency adjacency = CreateAdjacency(mesh);
+  std::vector<std::array<Vec3, 2>> rim;
+  for (uint32_t h = 0; h < 3 * mesh.triangles.size(); ++h) {
+    if (adjacency.OppositeOf(h) == kNoHalfEdge)
+      rim.push_back({mesh.PositionAt(OriginOf(mesh, h)), mesh.PositionAt(TargetOf(mesh, h))});
+  }
+  return rim;
+}
+
+double FarthestEnd(const std::vector<std::array<Vec3, 2>>& from, const std::vector<std::array<Vec3, 2>>& to) {
+  double farthest = 0;
+  for (const auto& side : from) {
+    double nearest = 1e9;
+    for (const auto& other : to) nearest = std::min(nearest, DistanceToSegment(side[0], other[0], other[1]));
+    farthest = std::max(farthest, nearest);
+  }
+  return farthest;
+}
+
+// The ends of a narrow ribbon were pointed: its corners lie closer together than an edge is long.
+TEST(RemeshRims, KeepTheCornersOfARibbon) {
+  const TriangleMesh ribbon = Mapped(Sheet(8), [](const Vec3& p) { return Vec3{p.x, 0.04 * p.y, 0}; });
+  const auto [result, report] = RemeshWith(ribbon, {}, 0.5);
+  ASSERT_THAT(report, IsOk());
+  for (const double x : {-1, 1}) {
+    for (const double y : {-0.04, 0.04}) EXPECT_LE(NearestVertex(result, {x, y, 0}), 1e-9) << x << " " << y;
+  }
+}
+
+// Holes of six faces each, which a triangle of the edges that are wanted would fit, are farther from that than surfaces may be.
+TEST(RemeshRims, KeepTheErrorBoundBothWays) {
+  TriangleMesh mesh = Icosphere(4);
+  std::erase_if(mesh.triangles, [](const Triangle& t) {
+    return std::any_of(t.begin(), t.end(), [](VertexId v) { return v.index() % 43 == 7; });
+  });
+  for (const double rho : {0.3, 0.5}) {
+    const auto [result, report] = RemeshWith(mesh, {}, rho);
+    ASSERT_THAT(report, IsOk());
+    EXPECT_EQ(report->output.boundary_loops, report->input.topology.boundary_loops);
+    EXPECT_GT(report->output.boundary_loops, 20u);
+    EXPECT_LE(FarthestEnd(RimOf(mesh), RimOf(result)), report->error_bound);
+    EXPECT_LE(FarthestEnd(RimOf(result), RimOf(mesh)), report->error_bound);
+  }
 }
 
 }  // namespace
