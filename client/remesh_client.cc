@@ -43,6 +43,8 @@ bool SendInput(const TriangleMesh& mesh, const CallOptions& call, Stream* stream
   *request.mutable_header()->mutable_options() = call.options;
   *request.mutable_header()->mutable_output() = call.output;
   request.mutable_header()->set_keep_session(call.keep_session);
+  request.mutable_header()->set_update_session(call.update_session);
+  if (call.session_revision) request.mutable_header()->set_session_revision(*call.session_revision);
   if (!call.session_id.empty()) request.mutable_header()->set_session_id(call.session_id);
   if (!call.region_faces.empty())
     request.mutable_header()->mutable_options()->mutable_region()->set_face_count(call.region_faces.size());

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,8 @@ struct CallOptions {
   v1::OutputFormat output;
   std::string session_id;     // of an earlier call's Summary: its mesh, in place of the one given, which must be empty
   bool keep_session = false;  // the server keeps the mesh; Summary.session names it
+  bool update_session = false;               // with either of them: the result takes that mesh's place
+  std::optional<uint64_t> session_revision;  // Summary.session's: with another one the call is Aborted
   absl::Time deadline = absl::InfiniteFuture();
   CallCanceller* canceller = nullptr;  // may be null; outlives the call
 };

@@ -102,31 +102,39 @@ absl::Status SetPointSurface(std::unique_ptr<MlsSamples> samples, Preparation& p
   return absl::OkStatus();
 }
 
-// Where the points have sharp edges, from a mesh that has them too everything is as for a mesh.
-absl::StatusOr<std::optional<Preparation>> PrepareSharpPoints(const TriangleMesh& points, Preparation& p,
-                                                              const Context& context) {
+void WarnOfMesh(const SharpMesh& sharp, uint64_t triangles, Preparation& p) {
+  const std::string what = sharp.curves > 0 ? absl::StrCat("creases were found on the point set: ", sharp.curves,
+                                                           " curves that meet at ", sharp.corners, " corners")
+                                            : "lines are to be kept on the point set";
+  p.warnings.push_back(
+      absl::StrCat(what, "; the surface is a mesh of ", triangles, " triangles that was made of the points"));
+  if (sharp.blunt_places == 0) return;
+  p.warnings.push_back(absl::StrCat("at ", sharp.blunt_places, " places of the creases the pieces of the point ",
+                                    "set do not meet; they stay round there"));
+}
+
+// Where the points have sharp edges, or lines are to be kept, from a mesh that has them too everything is as for a mesh.
+absl::StatusOr<std::optional<Preparation>> PrepareSharpPoints(const TriangleMesh& points, Polylines features,
+                                                              Preparation& p, const Context& context) {
   Stopwatch watch;
   const RemeshOptions& options = p.parameters.options;
   const auto is_estimate = [](const RepairAction& action) { return action.what == "estimated_normals"; };
   const bool are_estimated = std::any_of(p.input.repairs.begin(), p.input.repairs.end(), is_estimate);
-  MESHFRONT_ASSIGN_OR_RETURN(std::optional<SharpMesh> sharp,
-                             MeshSharpPoints(points, options, are_estimated, p.warnings, context));
+  MESHFRONT_ASSIGN_OR_RETURN(
+      std::optional<SharpMesh> sharp,
+      MeshSharpPoints({points, are_estimated, !features.segments.empty()}, options, p.warnings, context));
   if (!sharp) return std::nullopt;
+  const uint64_t triangles = sharp->mesh.triangles.size();
   Problem problem{std::move(sharp->mesh), options};
+  problem.features = std::move(features);
   problem.options.surface = SurfaceKind::kMesh;
   problem.options.mls_radius = RemeshOptions().mls_radius;
   problem.options.repair = true;
-  const uint64_t triangles = problem.mesh.triangles.size();
+  if (sharp->curves == 0) problem.options.crease_angle = std::nullopt;  // round edges are none
   const double seconds = watch.Lap();
   MESHFRONT_ASSIGN_OR_RETURN(Preparation made, Prepare(std::move(problem), context));
   made.warnings.insert(made.warnings.begin(), p.warnings.begin(), p.warnings.end());
-  made.warnings.push_back(absl::StrCat("creases were found on the point set: ", sharp->curves, " curves that meet at ",
-                                       sharp->corners, " corners; the surface is a mesh of ", triangles,
-                                       " triangles that was made of the points"));
-  if (sharp->blunt_places > 0) {
-    made.warnings.push_back(absl::StrCat("at ", sharp->blunt_places, " places of the creases the pieces of the point ",
-                                         "set do not meet; they stay round there"));
-  }
+  WarnOfMesh(*sharp, triangles, made);
   made.input.is_point_set = true;
   made.input.repairs = std::move(p.input.repairs);
   made.input.topology.vertices = points.positions.size();
@@ -188,8 +196,9 @@ absl::StatusOr<Preparation> PreparePoints(Problem problem, const Context& contex
   p.parameters.options.attributes = false;
   SetRadius(repaired.noise, p);
   TriangleMesh& points = repaired.points;
-  if (p.parameters.options.crease_angle) {
-    MESHFRONT_ASSIGN_OR_RETURN(std::optional<Preparation> sharp, PrepareSharpPoints(points, p, context));
+  if (p.parameters.options.crease_angle || !problem.features.segments.empty()) {
+    MESHFRONT_ASSIGN_OR_RETURN(std::optional<Preparation> sharp,
+                               PrepareSharpPoints(points, std::move(problem.features), p, context));
     if (sharp) return *std::move(sharp);
   }
   p.input.diagonal = BoundingBox(points).Diagonal();

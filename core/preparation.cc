@@ -351,9 +351,25 @@ absl::Status MeasureCurvature(Preparation& p, const Context& context) {
   return absl::OkStatus();
 }
 
-double MaxSagitta(const Preparation& p) {
-  if (p.parameters.options.sizing != Sizing::kError) return std::numeric_limits<double>::infinity();
-  return (p.parameters.target_triangles == 0 ? kSagittaPerMaxError : kSagittaPerErrorForCount) * p.parameter;
+// The largest g at some thousand vertices, evenly spread: about the longest edge.
+double LongestIdealLength(const Preparation& p) {
+  constexpr size_t samples = 1024;
+  const std::vector<Vec3>& positions = p.surface->mesh().positions;
+  const size_t stride = std::max<size_t>(1, positions.size() / samples);
+  double longest = 0;
+  for (size_t v = 0; v < positions.size(); v += stride) longest = std::max(longest, p.field->At(positions[v]));
+  return longest;
+}
+
+// Rims keep eq. 7, the bound that is reported of the surface.
+SagittaLimits SagittaLimitsOf(const Preparation& p) {
+  SagittaLimits limits;
+  const Sizing sizing = p.parameters.options.sizing;
+  if (sizing == Sizing::kError)
+    limits.any = (p.parameters.target_triangles == 0 ? kSagittaPerMaxError : kSagittaPerErrorForCount) * p.parameter;
+  const bool by_angle = sizing == Sizing::kAngle || sizing == Sizing::kThickness;
+  if (by_angle && p.input.topology.boundary_loops > 0) limits.rim = ErrorPerLength(p.parameter) * LongestIdealLength(p);
+  return limits;
 }
 
 }  // namespace
@@ -422,14 +438,18 @@ absl::Status SetLoops(Preparation& p, const Context& context) {
     SetPointFronts(p);
     return absl::OkStatus();
   }
-  MESHFRONT_ASSIGN_OR_RETURN(p.loops, BoundaryLoops(*p.surface, *p.field, MaxSagitta(p), context));
+  MESHFRONT_ASSIGN_OR_RETURN(p.loops, BoundaryLoops(*p.surface, *p.field, SagittaLimitsOf(p), context));
   return absl::OkStatus();
 }
 
 absl::Status CheckFeatures(const Problem& problem) {
   if (problem.features.segments.empty()) return absl::OkStatus();
-  if (!problem.prepared && IsMeshedAsPoints(problem))
-    return absl::InvalidArgumentError("options.features is set; it needs a mesh, and this is a point set");
+  if (!problem.prepared && !problem.mesh.IsPointSet() && IsMeshedAsPoints(problem)) {
+    return absl::InvalidArgumentError(
+        "options.features is set beside options.surface, which makes samples of the mesh; leave options.surface out to "
+        "keep "
+        "lines");
+  }
   return ValidatePolylines(problem.features);
 }
 

@@ -77,9 +77,12 @@ void RegionSink::FindLastUses() {
 
 absl::Status RegionSink::SendRest() {
   border_names_.assign(border_.size(), VertexId());
-  if (parts_.patch_only) return absl::OkStatus();
+  if (!wanted_.rest) return absl::OkStatus();
   const TriangleMesh& whole = parts_.whole();
-  const std::vector<Vec3> normals = ComputeVertexNormals(whole);
+  const std::vector<Vec3> normals =
+      wanted_.normals ? ComputeVertexNormals(whole) : std::vector<Vec3>(whole.positions.size());
+  sent_.positions.reserve(whole.positions.size());
+  sent_.triangles.reserve(whole.triangles.size());
   rest_names_.assign(whole.positions.size(), VertexId());
   on_border_.assign(whole.positions.size(), false);
   for (const uint32_t v : border_) on_border_[v] = true;
@@ -144,7 +147,6 @@ absl::Status RegionSink::Append(const MeshPiece& piece) {
     out.corners.push_back({wedge_names_[c[0]], wedge_names_[c[1]], wedge_names_[c[2]]});
   for (const VertexId v : piece.finalised) out.finalised.push_back(names_[v.index()]);
   sent_.triangles.insert(sent_.triangles.end(), out.triangles.begin(), out.triangles.end());
-  parts_.report.new_triangles += out.triangles.size();
   return next_.Append({out.vertices,
                        out.triangles,
                        out.finalised,

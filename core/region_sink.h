@@ -11,13 +11,17 @@
 
 namespace meshfront {
 
-// Where the rest is wanted: sends it first, with the bits of its positions, then what the front makes; the vertices on the border are the
-// input's, and so are wedges there that both use. Vertices and wedges count on. Memory: the rest and the new triangles.
+// Unless the patch alone is wanted, sends the rest first, with the bits of its positions, then what the front makes; the vertices on the
+// border are the input's, and so are wedges there that both use. Vertices and wedges count on. Memory: the rest and the new triangles.
 class RegionSink : public MeshSink {
  public:
-  // `border`: the vertices of the whole that the front's first joints are. Both outlive the sink.
-  RegionSink(MeshSink& next, const std::vector<uint32_t>& border, RegionParts& parts)
-      : next_(next), border_(border), parts_(parts) {}
+  struct Wanted {
+    bool rest = true;     // false: the patch alone
+    bool normals = true;  // of the rest's vertices; else they are zero, which saves the time of the whole mesh's
+  };
+  // `border`: the vertices of the whole that the front's first joints are. All outlive the sink.
+  RegionSink(MeshSink& next, const Wanted& wanted, const std::vector<uint32_t>& border, const RegionParts& parts)
+      : next_(next), wanted_(wanted), border_(border), parts_(parts) {}
 
   absl::Status SendRest();
   absl::Status Append(const MeshPiece& piece) override;
@@ -44,8 +48,9 @@ class RegionSink : public MeshSink {
   uint32_t SharedWedge(const OutputWedge& w) const;
 
   MeshSink& next_;
+  const Wanted wanted_;
   const std::vector<uint32_t>& border_;
-  RegionParts& parts_;
+  const RegionParts& parts_;
   TriangleMesh sent_;
   std::vector<VertexId> border_names_;  // of the border's vertices, once they were sent
   std::vector<VertexId> names_;         // of the front's vertices

@@ -28,6 +28,10 @@ constexpr uint64_t kMinTargetTriangles = 4;  // a tetrahedron
 constexpr double kMaxRho = 2 * std::numbers::pi / 3;
 constexpr double kMaxBlend = 1000;
 constexpr double kManyMore = 1.5;  // triangles than edges of the length that was asked for would make
+// Of a result that has so many triangles, so many times the input's and so many times what its curvature asks for, a warning says so.
+constexpr uint64_t kLargeResult = 10000;
+constexpr uint64_t kManyPerInput = 4;
+constexpr double kManyPerCurvature = 2;
 constexpr double kMinMlsRadius = 2, kMaxMlsRadius = 16;
 
 using Clock = std::chrono::steady_clock;
@@ -184,6 +188,38 @@ double TrianglesOfLength(const MeshSurface& surface, double length) {
   return area * 4 / (std::sqrt(3.0) * length * length);
 }
 
+// How many triangles curvature alone would ask for, without grading, narrow strips and thin parts.
+double TrianglesOfCurvature(const Preparation& p) {
+  const MeshSurface& surface = *p.surface;
+  double count = 0;
+  for (const Triangle& t : surface.mesh().triangles) {
+    double inverse = 0;  // of squared lengths, on the average of the corners
+    for (const VertexId v : t) {
+      const double wanted = IdealLength(p.parameter, surface.vertex_curvatures()[v.index()]);
+      const double length = std::clamp(wanted, p.parameters.min_edge, p.parameters.max_edge);
+      inverse += 1 / (3 * length * length);
+    }
+    count += inverse * TriangleArea(surface.mesh().PositionAt(t[0]), surface.mesh().PositionAt(t[1]),
+                                    surface.mesh().PositionAt(t[2]));
+  }
+  return count * 4 / std::sqrt(3.0);
+}
+
+// A coarse model with narrow faces or seams close together: what came out is what was asked for, and more than many expect.
+void WarnOfManyTriangles(const Preparation& p, uint64_t made, Report& report) {
+  const RemeshOptions& options = report.parameters.options;
+  const bool by_rho = options.sizing == Sizing::kAngle && report.parameters.target_triangles == 0;
+  if (!by_rho || p.region || p.points || made < kLargeResult || p.input.is_point_set) return;
+  if (made < kManyPerInput * p.input.topology.triangles) return;
+  const double of_curvature = TrianglesOfCurvature(p);
+  if (static_cast<double>(made) < kManyPerCurvature * of_curvature) return;
+  report.warnings.push_back(
+      absl::StrCat(made, " triangles of an input of ", p.input.topology.triangles,
+                   ", where its curvature asks for about ", std::llround(of_curvature),
+                   " at this rho: creases, seams and rims that lie close together need the "
+                   "rest; min_edge or target_triangles make fewer, and estimate predicts how many"));
+}
+
 // Where thin walls, rims or faults ask for shorter edges than were wanted.
 void WarnOfSizes(const Preparation& p, uint64_t made, Report& report) {
   const auto triangles = static_cast<double>(made);
@@ -251,13 +287,10 @@ void WarnOfDeviations(const FrontReport& front, double scale, Report& report) {
 }
 
 void ReportRegion(Preparation& p, const FrontReport& front, Report& report) {
-  if (!p.region) {
-    report.region = std::move(p.everything);
-    if (report.region) report.region->new_triangles = front.triangles;
-    return;
-  }
+  report.region = p.region ? std::move(p.region->report) : std::move(p.everything);
+  if (report.region) report.region->new_triangles = front.triangles;
+  if (!p.region) return;
   const RegionParts& parts = *p.region;
-  report.region = std::move(p.region->report);
   if (parts.changed_outside == 0 && parts.dropped_outside == 0) return;
   report.warnings.push_back(absl::StrCat("repair changed ", parts.changed_outside,
                                          " faces outside of the region, and dropped ", parts.dropped_outside,
@@ -317,15 +350,50 @@ absl::Status ValidateOptions(const RemeshOptions& o) {
 
 namespace {
 
+// Where a region's triangles go: joined to the rest or as a patch to the caller, and joined to the rest to who wants the `whole` as well.
+class RegionOutlets : public MeshSink {
+ public:
+  // `whole` may be null. All but `border`, which is copied, outlive the outlets.
+  RegionOutlets(MeshSink& sink, MeshSink* whole, const RegionParts& parts, std::vector<uint32_t> border)
+      : border_(std::move(border)), to_caller_(sink, {.rest = !parts.patch_only}, border_, parts) {
+    if (whole != nullptr) to_whole_.emplace(*whole, RegionSink::Wanted{.normals = false}, border_, parts);
+  }
+
+  absl::Status SendRest() {
+    MESHFRONT_RETURN_IF_ERROR(to_caller_.SendRest());
+    return to_whole_ ? to_whole_->SendRest() : absl::OkStatus();
+  }
+  absl::Status Append(const MeshPiece& piece) override {
+    MESHFRONT_RETURN_IF_ERROR(to_caller_.Append(piece));
+    return to_whole_ ? to_whole_->Append(piece) : absl::OkStatus();
+  }
+  const TriangleMesh& sent() const { return to_caller_.sent(); }  // to the caller
+
+ private:
+  const std::vector<uint32_t> border_;
+  RegionSink to_caller_;
+  std::optional<RegionSink> to_whole_;
+};
+
+// The caller's, and Problem.whole.
+struct Sinks {
+  MeshSink& caller;
+  MeshSink* whole = nullptr;
+};
+
 // From a preparation to the report, `start` being when it began. Nothing, and nothing was handed on: more faces of the region are `left`
 // as they are, and the rest of it is to be tried again.
-absl::StatusOr<std::optional<Report>> RemeshPrepared(Preparation& p, MeshSink& sink, Clock::time_point start,
+absl::StatusOr<std::optional<Report>> RemeshPrepared(Preparation& p, const Sinks& sinks, Clock::time_point start,
                                                      LeftFaces* left, const Context& context) {
   const double prepared = SecondsSince(start);
-  const std::vector<uint32_t> border = p.region ? BorderOf(*p.region, *p.surface) : std::vector<uint32_t>();
-  std::optional<RegionSink> joined;
-  if (p.region) joined.emplace(sink, border, *p.region);
-  OutgoingSink outgoing(joined ? *joined : sink, p, start);
+  std::optional<RegionOutlets> joined;
+  std::optional<TeeSink> both;
+  MeshSink* next = &sinks.caller;
+  if (p.region)
+    next = &joined.emplace(sinks.caller, sinks.whole, *p.region, BorderOf(*p.region, *p.surface));
+  else if (sinks.whole != nullptr)
+    next = &both.emplace(sinks.caller, *sinks.whole);
+  OutgoingSink outgoing(*next, p, start);
   const auto predicted = static_cast<uint64_t>(std::min(p.predicted_triangles, 1e18));
   HoldingSink kept(outgoing, joined ? std::numeric_limits<uint64_t>::max() : 0);
   MESHFRONT_ASSIGN_OR_RETURN(const Attempt attempt,
@@ -373,6 +441,7 @@ absl::StatusOr<std::optional<Report>> RemeshPrepared(Preparation& p, MeshSink& s
   WarnOfDeviations(front, p.scale, report);
   WarnOfFaults(attempt, report);
   WarnOfSizes(p, front.triangles, report);
+  WarnOfManyTriangles(p, front.triangles, report);
   WarnOfGaps(attempt.gaps, p.scale, report);
   if (has_other_topology) report.warnings.push_back(OtherTopology(p.input.topology, report.output));
   ReportRegion(p, front, report);
@@ -391,10 +460,11 @@ void WarnOfLeftFaces(const LeftFaces& left, Report& report) {
 // In rounds, each of a smaller region where the one before has faults. What comes before the surroundings is made once.
 absl::StatusOr<Report> RemeshRegion(Problem problem, MeshSink& sink, Clock::time_point start, const Context& context) {
   const Problem again{{}, problem.options, problem.region, nullptr, problem.features};
+  const Sinks sinks{sink, problem.whole};
   LeftFaces left;
   for (;;) {
     MESHFRONT_ASSIGN_OR_RETURN(Preparation p, Prepare(std::move(problem), context, left.is_left));
-    MESHFRONT_ASSIGN_OR_RETURN(std::optional<Report> report, RemeshPrepared(p, sink, start, &left, context));
+    MESHFRONT_ASSIGN_OR_RETURN(std::optional<Report> report, RemeshPrepared(p, sinks, start, &left, context));
     if (report) {
       WarnOfLeftFaces(left, *report);
       return *std::move(report);
@@ -411,8 +481,9 @@ absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& co
   if (!problem.options.lod_rhos.empty())
     return absl::InvalidArgumentError("options.lod_rhos is set; levels of detail are what RemeshLevels makes");
   if (problem.region) return RemeshRegion(std::move(problem), sink, start, context);
+  const Sinks sinks{sink, problem.whole};
   MESHFRONT_ASSIGN_OR_RETURN(Preparation p, Prepare(std::move(problem), context));
-  MESHFRONT_ASSIGN_OR_RETURN(std::optional<Report> report, RemeshPrepared(p, sink, start, nullptr, context));
+  MESHFRONT_ASSIGN_OR_RETURN(std::optional<Report> report, RemeshPrepared(p, sinks, start, nullptr, context));
   return *std::move(report);
 } catch (const std::exception&) {
   return StatusOfException();
@@ -422,6 +493,8 @@ absl::Status RemeshLevels(Problem problem, LevelSink& sink, const Context& conte
   Clock::time_point start = Clock::now();
   const std::vector<double> rhos = problem.options.lod_rhos;
   if (rhos.empty()) return absl::InvalidArgumentError("options.lod_rhos is empty; it must hold the rho of each level");
+  if (problem.whole != nullptr)
+    return absl::InvalidArgumentError("problem.whole is set beside options.lod_rhos; it takes one mesh");
   MESHFRONT_ASSIGN_OR_RETURN(Preparation p, Prepare(std::move(problem), context));
   const LevelStart first(p);
   for (size_t level = 0; level < rhos.size(); ++level) {
@@ -430,7 +503,7 @@ absl::Status RemeshLevels(Problem problem, LevelSink& sink, const Context& conte
       MESHFRONT_RETURN_IF_ERROR(first.Prepare(rhos[level], p, context));
     }
     MESHFRONT_ASSIGN_OR_RETURN(const std::optional<Report> report,
-                               RemeshPrepared(p, sink.BeginLevel(), start, nullptr, context));
+                               RemeshPrepared(p, {sink.BeginLevel()}, start, nullptr, context));
     MESHFRONT_RETURN_IF_ERROR(sink.EndLevel(*report));
   }
   return absl::OkStatus();

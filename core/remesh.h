@@ -94,8 +94,12 @@ struct Problem {
   // In place of the mesh: what regions of it begin with (prepared_input.h). Without a region, the whole of it.
   std::shared_ptr<const PreparedInput> prepared = nullptr;
   // Lines to be kept like creases, whatever crease_angle is: the surface's faces are split along them (features/line_insertion.h). Of a
-  // region what lies on faces away from its border, with a warning that says which segments do not. Not for point sets.
+  // region what lies on faces away from its border, with a warning that says which segments do not. A point set becomes a mesh for that,
+  // as with sharp edges (sharp_points.h), and lines come to its surface. Not with a mesh that is meshed as a point set.
   Polylines features;
+  // Takes the whole mesh as well, also where the region's `patch_only` keeps the rest from the caller's sink, in the order that it has
+  // without, but for normals: for who goes on with it. Outlives the call; null: nobody does. Of Remesh alone.
+  MeshSink* whole = nullptr;
   int most_attempts = 16;  // attempts.h makes no more where the mesh is but a means to another
 };
 

@@ -384,15 +384,10 @@ void Sharpener::CountCurves() {
       static_cast<uint64_t>(std::count_if(degree.begin(), degree.end(), [](uint32_t d) { return d > 2; }));
 }
 
-}  // namespace
-
-absl::StatusOr<std::optional<SharpMesh>> MeshSharpPoints(const TriangleMesh& points, const RemeshOptions& options,
-                                                         bool are_estimated, std::vector<std::string>& warnings,
-                                                         const Context& context) {
-  const double angle = *options.crease_angle * std::numbers::pi / 180;
-  MESHFRONT_ASSIGN_OR_RETURN(const std::unique_ptr<PointPieces> pieces,
-                             PointPieces::Create(points.positions, points.normals, angle, are_estimated, context));
-  if (!pieces->HasEdges()) return std::nullopt;
+// The surface with round edges, about as fine as the samples; nothing, and why, where it can't be meshed.
+absl::StatusOr<std::optional<TriangleMesh>> MeshRoundly(const TriangleMesh& points, const PointPieces& pieces,
+                                                        const RemeshOptions& options, std::string& why_not,
+                                                        const Context& context) {
   Problem problem;
   problem.mesh = points;
   problem.most_attempts = kMostAttempts;
@@ -400,23 +395,57 @@ absl::StatusOr<std::optional<SharpMesh>> MeshSharpPoints(const TriangleMesh& poi
   round.surface = options.surface, round.mls_radius = options.mls_radius;
   round.crease_angle = std::nullopt;
   round.sizing = Sizing::kUniform;
-  const double least = std::sqrt(pieces->mean_area() / (0.25 * std::numbers::sqrt3 * kMostPerPoint));
-  round.edge_length = Length{std::max(kEdgePerSpacing * pieces->median_spacing(), least), false};
+  const double least = std::sqrt(pieces.mean_area() / (0.25 * std::numbers::sqrt3 * kMostPerPoint));
+  round.edge_length = Length{std::max(kEdgePerSpacing * pieces.median_spacing(), least), false};
   Context quiet = context;
   quiet.progress = nullptr;
   CollectingSink sink;
   const absl::StatusOr<Report> report = Remesh(std::move(problem), sink, quiet);
   MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
-  if (!report.ok() || !report->complete) {
-    warnings.push_back(absl::StrCat("the point set has sharp edges, which are rounded: no mesh to find them on ",
-                                    "could be made (", report.ok() ? "it was left open" : report.status().message(),
-                                    ")"));
-    return std::nullopt;
-  }
-  MESHFRONT_ASSIGN_OR_RETURN(SharpMesh sharp, Sharpener(*pieces, std::move(sink.mesh)).Run(context));
+  if (report.ok() && report->complete) return std::move(sink.mesh);
+  why_not = report.ok() ? "it was left open" : std::string(report.status().message());
+  return std::nullopt;
+}
+
+// Nothing where no crease comes of the edges.
+absl::StatusOr<std::optional<SharpMesh>> Sharpen(const PointPieces& pieces, TriangleMesh round, double angle,
+                                                 const Context& context) {
+  MESHFRONT_ASSIGN_OR_RETURN(SharpMesh sharp, Sharpener(pieces, std::move(round)).Run(context));
   MESHFRONT_ASSIGN_OR_RETURN(const std::vector<bool> creases,
                              FindCreases(sharp.mesh, CreateAdjacency(sharp.mesh), angle, context));
   if (std::find(creases.begin(), creases.end(), true) == creases.end()) return std::nullopt;
+  return sharp;
+}
+
+}  // namespace
+
+absl::StatusOr<std::optional<SharpMesh>> MeshSharpPoints(const SharpPoints& input, const RemeshOptions& options,
+                                                         std::vector<std::string>& warnings, const Context& context) {
+  const double degrees = options.crease_angle.value_or(RemeshOptions().crease_angle.value());
+  const double angle = degrees * std::numbers::pi / 180;
+  MESHFRONT_ASSIGN_OR_RETURN(
+      const std::unique_ptr<PointPieces> pieces,
+      PointPieces::Create(input.points.positions, input.points.normals, angle, input.are_estimated, context));
+  const bool is_sharp = options.crease_angle && pieces->HasEdges();
+  if (!is_sharp && !input.needs_mesh) return std::nullopt;
+  std::string why_not;
+  MESHFRONT_ASSIGN_OR_RETURN(std::optional<TriangleMesh> round,
+                             MeshRoundly(input.points, *pieces, options, why_not, context));
+  if (!round && input.needs_mesh) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("options.features can't be kept: no mesh of the points to put lines on could be made (", why_not,
+                     "); leave options.features out, or mesh the points first and give the lines with that mesh"));
+  }
+  if (!round) {
+    warnings.push_back(absl::StrCat("the point set has sharp edges, which are rounded: no mesh to find them on ",
+                                    "could be made (", why_not, ")"));
+    return std::nullopt;
+  }
+  std::optional<SharpMesh> sharp;
+  if (is_sharp) {
+    MESHFRONT_ASSIGN_OR_RETURN(sharp, Sharpen(*pieces, *round, angle, context));
+  }
+  if (!sharp && input.needs_mesh) sharp.emplace().mesh = *std::move(round);
   return sharp;
 }
 

@@ -93,6 +93,7 @@ void Call::Submit() {
   job_->options = assembler_.options();
   job_->output = assembler_.output();
   job_->keeps_session = assembler_.keeps_session();
+  job_->updates_session = assembler_.updates_session();
   job_->input = assembler_.Take();
   Box3 bounds;
   for (const Vec3& p : job_->input.mesh.positions) {

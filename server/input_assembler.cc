@@ -74,8 +74,8 @@ absl::Status InputAssembler::Accept(const v1::Header& header) {
   request_id_ = header.request_id();
   requested_threads_ = header.options().threads();
   keeps_session_ = header.keep_session();
-  if (keeps_session_ && header.has_points())
-    return absl::InvalidArgumentError("keep_session is set beside points; only a mesh can be kept");
+  updates_session_ = header.update_session();
+  MESHFRONT_RETURN_IF_ERROR(CheckSessionFields(header));
   switch (header.input_case()) {
     case v1::Header::kMesh:
       MESHFRONT_RETURN_IF_ERROR(AnnounceMesh(header.mesh()));
@@ -87,7 +87,7 @@ absl::Status InputAssembler::Accept(const v1::Header& header) {
       MESHFRONT_RETURN_IF_ERROR(AnnounceFile(header.file()));
       break;
     case v1::Header::kSessionId:
-      MESHFRONT_RETURN_IF_ERROR(AnnounceSession(header.session_id()));
+      MESHFRONT_RETURN_IF_ERROR(AnnounceSession(header));
       break;
     case v1::Header::INPUT_NOT_SET:
       return absl::InvalidArgumentError("header.input is not set; it must be mesh, points, file or session_id");
@@ -111,12 +111,25 @@ absl::Status InputAssembler::CheckAnnouncedBytes() const {
   return CheckCount("header.input in bytes", announced, limits_.max_input_bytes);
 }
 
-absl::Status InputAssembler::AnnounceSession(const std::string& id) {
+absl::Status InputAssembler::CheckSessionFields(const v1::Header& header) const {
+  if (keeps_session_ && header.has_points())
+    return absl::InvalidArgumentError("keep_session is set beside points; only a mesh can be kept");
+  if (updates_session_ && !keeps_session_ && !header.has_session_id())
+    return absl::InvalidArgumentError(
+        "update_session is set; it needs session_id or keep_session, whose mesh it replaces");
+  if (header.has_session_revision() && !header.has_session_id())
+    return absl::InvalidArgumentError("session_revision is set; it needs session_id");
+  return absl::OkStatus();
+}
+
+absl::Status InputAssembler::AnnounceSession(const v1::Header& header) {
+  const std::string& id = header.session_id();
   if (id.empty() || id.size() > kMaxSessionIdBytes) {
     return absl::InvalidArgumentError(
         absl::StrCat("session_id has ", id.size(), " bytes; it must have 1 to ", kMaxSessionIdBytes));
   }
   input_.session_id = id;
+  if (header.has_session_revision()) input_.session_revision = header.session_revision();
   names_session_ = true;
   return absl::OkStatus();
 }
@@ -195,14 +208,14 @@ absl::Status InputAssembler::AnnounceRegion(const v1::RemeshOptions& options) {
 
 absl::Status InputAssembler::AnnounceFeatures(const v1::RemeshOptions& options, const v1::Header& header) {
   if (!options.has_features()) return absl::OkStatus();
-  if (header.has_points())
-    return absl::InvalidArgumentError("options.features is set; it needs a mesh, and this is a point set");
   const uint64_t points = options.features().point_count(), segments = options.features().segment_count();
   MESHFRONT_RETURN_IF_ERROR(CheckCount("options.features.point_count", points, limits_.max_vertices));
   MESHFRONT_RETURN_IF_ERROR(CheckCount("options.features.segment_count", segments, limits_.max_triangles));
   MESHFRONT_ASSIGN_OR_RETURN(
       const v1::ScalarType scalar,
-      ResolveScalarType(header.mesh().scalar_type(), v1::SCALAR_TYPE_FLOAT64, "mesh.scalar_type"));
+      header.has_points()
+          ? ResolveScalarType(header.points().scalar_type(), v1::SCALAR_TYPE_FLOAT64, "points.scalar_type")
+          : ResolveScalarType(header.mesh().scalar_type(), v1::SCALAR_TYPE_FLOAT64, "mesh.scalar_type"));
   arrays_.push_back(ArrayWriter::ForPoints(v1::ARRAY_FEATURE_POSITIONS, &input_.features.points, points, scalar));
   arrays_.push_back(ArrayWriter::ForNumbers(v1::ARRAY_FEATURE_SEGMENTS, &segment_ends_, 2 * segments));
   return absl::OkStatus();

@@ -25,6 +25,7 @@ struct AssembledInput {
   Format format = Format::kUnknown;
   std::string file_name;
   std::string session_id;
+  std::optional<uint64_t> session_revision;  // that the session's mesh must have
 };
 
 // Header, blocks, end: one message after the other. InvalidArgument: order, options, arrays; ResourceExhausted: limits;
@@ -63,6 +64,7 @@ class InputAssembler {
   uint32_t requested_threads() const { return requested_threads_; }
   bool keeps_session() const { return keeps_session_; }
   bool names_session() const { return names_session_; }
+  bool updates_session() const { return updates_session_; }
   // Once, when whole.
   AssembledInput Take() { return std::move(input_); }
 
@@ -74,7 +76,8 @@ class InputAssembler {
   absl::Status AnnounceAttributes(const v1::MeshArrays& mesh);
   absl::Status AnnouncePoints(const v1::PointSet& points);
   absl::Status AnnounceFile(const v1::WholeFile& file);
-  absl::Status AnnounceSession(const std::string& id);
+  absl::Status AnnounceSession(const v1::Header& header);
+  absl::Status CheckSessionFields(const v1::Header& header) const;
   absl::Status CheckAnnouncedBytes() const;
   absl::Status AnnounceRegion(const v1::RemeshOptions& options);
   absl::Status AnnounceFeatures(const v1::RemeshOptions& options, const v1::Header& header);
@@ -88,7 +91,7 @@ class InputAssembler {
   RemeshOptions options_;
   v1::OutputFormat output_;
   uint32_t requested_threads_ = 0;
-  bool keeps_session_ = false, names_session_ = false;
+  bool keeps_session_ = false, names_session_ = false, updates_session_ = false;
   uint64_t vertex_count_ = 0;
   size_t checked_triangles_ = 0;
   uint64_t bytes_ = 0;

@@ -34,6 +34,7 @@ uint64_t PeakRssBytes() {
 struct ParsedInput {
   TriangleMesh mesh;
   std::shared_ptr<const PreparedInput> prepared;  // in its place
+  uint64_t revision = 0;                          // of the session that it is of
   std::optional<Region> region;
   Polylines features;
   std::vector<std::string> warnings;
@@ -59,14 +60,17 @@ absl::StatusOr<ParsedInput> ParseFile(const ServiceState& state, PendingBytes::L
     read.mesh.dropped_attributes.push_back(channel.name);
   read.mesh.attributes = {};
   MESHFRONT_RETURN_IF_ERROR(lease.Hold(AllocatedBytes(read.mesh)));  // the bytes of the file go with this call's end
-  return ParsedInput{std::move(read.mesh), nullptr, std::nullopt, {}, std::move(read.warnings), {}};
+  return ParsedInput{std::move(read.mesh), nullptr, 0, std::nullopt, {}, std::move(read.warnings), {}};
 }
 
 absl::StatusOr<ParsedInput> ParseInput(ServiceState& state, Job& job) {
   AssembledInput input = std::move(job.input);
   ParsedInput parsed;
   if (!input.session_id.empty()) {
-    MESHFRONT_ASSIGN_OR_RETURN(parsed.prepared, state.sessions.Find(input.session_id));
+    MESHFRONT_ASSIGN_OR_RETURN(const SessionStore::Kept kept, state.sessions.Find(input.session_id));
+    if (input.session_revision) MESHFRONT_RETURN_IF_ERROR(CheckRevision(*input.session_revision, kept.revision));
+    parsed.prepared = kept.input;
+    parsed.revision = kept.revision;
   } else if (input.file.empty()) {
     parsed.mesh = std::move(input.mesh);
   } else {
@@ -182,9 +186,18 @@ absl::Status SendSummary(Job& job) {
   return job.events->Push(std::move(event));
 }
 
-// Says in the summary what is kept of the input, or in a warning why nothing is.
+// Makes the result what is kept, with the attributes that it was given.
+absl::Status PrepareResult(const Job& job, TriangleMesh result, const Context& context, ParsedInput& input) {
+  result.normals.clear();
+  if (!result.attributes.corners.empty()) result.attributes.channels = input.prepared->mesh().attributes.channels;
+  MESHFRONT_ASSIGN_OR_RETURN(input.prepared, PreparedInput::Create(std::move(result), job.options.repair, context));
+  return absl::OkStatus();
+}
+
+// Says in the summary what is kept, the input or the result, or in a warning why nothing is.
 absl::Status KeepSession(ServiceState& state, Job& job, const std::string& id, const ParsedInput& input) {
   std::string name = id;
+  uint64_t revision = input.revision;
   if (name.empty() && !job.keeps_session) return absl::OkStatus();
   if (name.empty()) {
     const absl::StatusOr<std::string> kept = state.sessions.Keep(input.prepared);
@@ -194,11 +207,14 @@ absl::Status KeepSession(ServiceState& state, Job& job, const std::string& id, c
     }
     if (!kept.ok()) return kept.status();
     name = *kept;
+  } else if (job.updates_session) {
+    MESHFRONT_ASSIGN_OR_RETURN(revision, state.sessions.Replace(id, input.revision, input.prepared));
   }
   v1::Session& session = *job.summary.mutable_session();
   session.set_id(name);
   session.set_ttl_seconds(absl::ToDoubleSeconds(state.sessions.ttl()));
   session.set_bytes(input.prepared->bytes());
+  session.set_revision(revision);
   return absl::OkStatus();
 }
 
@@ -238,8 +254,10 @@ absl::Status RemeshBody(ServiceState& state, Job& job) {
     MESHFRONT_ASSIGN_OR_RETURN(input.prepared,
                                PreparedInput::Create(std::move(input.mesh), job.options.repair, context));
   }
-  Problem problem{std::move(input.mesh), job.options, std::move(input.region), input.prepared,
-                  std::move(input.features)};
+  CollectingSink result;
+  Problem problem{std::move(input.mesh),     job.options,
+                  std::move(input.region),   input.prepared,
+                  std::move(input.features), job.updates_session ? &result : nullptr};
   if (!job.options.lod_rhos.empty()) {
     LevelStream levels(job, input, times);
     MESHFRONT_RETURN_IF_ERROR(state.engine.remesh_levels(std::move(problem), levels, context));
@@ -249,6 +267,7 @@ absl::Status RemeshBody(ServiceState& state, Job& job) {
   MESHFRONT_ASSIGN_OR_RETURN(const Report report, state.engine.remesh(std::move(problem), sink, context));
   times.done = absl::Now();
   MESHFRONT_RETURN_IF_ERROR(FinishMesh(job, input, times, sink, report, 0));
+  if (job.updates_session) MESHFRONT_RETURN_IF_ERROR(PrepareResult(job, std::move(result.mesh), context, input));
   MESHFRONT_RETURN_IF_ERROR(KeepSession(state, job, session_id, input));
   MESHFRONT_RETURN_IF_ERROR(SendSummary(job));
   return job.events->Drain();

@@ -23,7 +23,7 @@ struct Job {
   RemeshOptions options;
   v1::OutputFormat output;
   int threads = 1;
-  bool keeps_session = false;
+  bool keeps_session = false, updates_session = false;
   absl::Time deadline = absl::InfiniteFuture();
   absl::Time upload_begin, upload_end;
   std::atomic<bool> stop{false};

@@ -31,6 +31,13 @@ std::string DigestOf(const std::string& id) {
 
 }  // namespace
 
+absl::Status CheckRevision(uint64_t wanted, uint64_t there) {
+  if (wanted == there) return absl::OkStatus();
+  return WithReason(absl::AbortedError(absl::StrCat("session_revision is ", wanted,
+                                                    "; the session's mesh was replaced, and is at ", there, " now")),
+                    "SESSION_CHANGED", {{"revision", absl::StrCat(there)}});
+}
+
 void SessionStore::MakeRoom(size_t count, uint64_t bytes, Sessions& gone) {
   const absl::Time oldest = clock_() - limits_.ttl;
   const auto max_count = static_cast<size_t>(limits_.max_count);
@@ -44,13 +51,25 @@ void SessionStore::MakeRoom(size_t count, uint64_t bytes, Sessions& gone) {
   }
 }
 
+absl::Status SessionStore::CheckSize(uint64_t bytes) const {
+  if (bytes <= limits_.max_bytes) return absl::OkStatus();
+  return WithReason(absl::ResourceExhaustedError(absl::StrCat("the session would take ", bytes,
+                                                              " bytes; this server keeps at most ", limits_.max_bytes)),
+                    "SESSION_TOO_LARGE");
+}
+
+absl::Status SessionStore::Unknown() const {
+  return WithReason(
+      absl::NotFoundError(absl::StrCat("session_id is not known to this server: it was not used for ",
+                                       absl::FormatDuration(limits_.ttl),
+                                       ", made room for others, or is another server's; send the mesh again")),
+      "SESSION_UNKNOWN");
+}
+
 absl::StatusOr<std::string> SessionStore::Keep(std::shared_ptr<const PreparedInput> input) {
   const uint64_t bytes = input->bytes();
   if (limits_.max_count < 1) return absl::ResourceExhaustedError("this server keeps no sessions");
-  if (bytes > limits_.max_bytes) {
-    return absl::ResourceExhaustedError(
-        absl::StrCat("the session would take ", bytes, " bytes; this server keeps at most ", limits_.max_bytes));
-  }
+  MESHFRONT_RETURN_IF_ERROR(CheckSize(bytes));
   MESHFRONT_ASSIGN_OR_RETURN(std::string name, NewName());
   Sessions gone, added;  // destroyed after the lock
   added.push_back({DigestOf(name), std::move(input), bytes, clock_()});
@@ -62,24 +81,39 @@ absl::StatusOr<std::string> SessionStore::Keep(std::shared_ptr<const PreparedInp
   return name;
 }
 
-absl::StatusOr<std::shared_ptr<const PreparedInput>> SessionStore::Find(const std::string& id) {
+SessionStore::Session* SessionStore::Touch(const std::string& digest, Sessions& gone) {
+  MakeRoom(0, 0, gone);
+  const auto found = by_digest_.find(digest);
+  if (found == by_digest_.end()) return nullptr;
+  sessions_.splice(sessions_.begin(), sessions_, found->second);
+  found->second->used = clock_();
+  return &*found->second;
+}
+
+absl::StatusOr<SessionStore::Kept> SessionStore::Find(const std::string& id) {
   const std::string digest = DigestOf(id);
   Sessions gone;
-  {
-    std::lock_guard lock(mutex_);
-    MakeRoom(0, 0, gone);
-    const auto found = by_digest_.find(digest);
-    if (found != by_digest_.end()) {
-      sessions_.splice(sessions_.begin(), sessions_, found->second);
-      found->second->used = clock_();
-      return found->second->input;
-    }
-  }
-  return WithReason(
-      absl::NotFoundError(absl::StrCat("session_id is not known to this server: it was not used for ",
-                                       absl::FormatDuration(limits_.ttl),
-                                       ", made room for others, or is another server's; send the mesh again")),
-      "SESSION_UNKNOWN");
+  std::lock_guard lock(mutex_);
+  const Session* session = Touch(digest, gone);
+  if (session == nullptr) return Unknown();
+  return Kept{session->input, session->revision};
+}
+
+absl::StatusOr<uint64_t> SessionStore::Replace(const std::string& id, uint64_t revision,
+                                               std::shared_ptr<const PreparedInput> input) {
+  const uint64_t bytes = input->bytes();
+  MESHFRONT_RETURN_IF_ERROR(CheckSize(bytes));
+  const std::string digest = DigestOf(id);
+  Sessions gone;  // destroyed after the lock, as is the mesh that was there
+  std::lock_guard lock(mutex_);
+  Session* session = Touch(digest, gone);
+  if (session == nullptr) return Unknown();
+  MESHFRONT_RETURN_IF_ERROR(CheckRevision(revision, session->revision));
+  bytes_ += bytes - session->bytes;
+  session->bytes = bytes;
+  session->input.swap(input);
+  MakeRoom(0, 0, gone);  // it was used last, and alone it fits
+  return ++session->revision;
 }
 
 SessionStore::Usage SessionStore::usage() {

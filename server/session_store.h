@@ -27,8 +27,18 @@ class SessionStore {
 
   // The name of the new session. ResourceExhausted: it alone is beyond the limits.
   absl::StatusOr<std::string> Keep(std::shared_ptr<const PreparedInput> input);
+  // A session's mesh, and how often it was replaced.
+  struct Kept {
+    std::shared_ptr<const PreparedInput> input;
+    uint64_t revision = 0;
+  };
   // NotFound with the reason SESSION_UNKNOWN. Its time begins anew.
-  absl::StatusOr<std::shared_ptr<const PreparedInput>> Find(const std::string& id);
+  absl::StatusOr<Kept> Find(const std::string& id);
+  // Puts another mesh in the place of the one that is there after `revision` replacements; returns that number plus one. NotFound as of
+  // Find; Aborted with the reason SESSION_CHANGED: another mesh is there by now; ResourceExhausted with SESSION_TOO_LARGE: it alone is
+  // beyond the limits. The session stays as it is then. Others make room for it.
+  absl::StatusOr<uint64_t> Replace(const std::string& id, uint64_t revision,
+                                   std::shared_ptr<const PreparedInput> input);
 
   struct Usage {
     size_t sessions = 0;
@@ -43,8 +53,13 @@ class SessionStore {
     std::shared_ptr<const PreparedInput> input;
     uint64_t bytes = 0;
     absl::Time used;
+    uint64_t revision = 0;
   };
   using Sessions = std::list<Session>;
+  absl::Status CheckSize(uint64_t bytes) const;
+  // The session, now the one used last, or null. What expired goes to `gone`. The mutex is held.
+  Session* Touch(const std::string& digest, Sessions& gone);
+  absl::Status Unknown() const;
   // Moves what expired, and the oldest beyond what leaves room for `count` more of `bytes`, to `gone`.
   void MakeRoom(size_t count, uint64_t bytes, Sessions& gone);
 
@@ -55,5 +70,8 @@ class SessionStore {
   std::map<std::string, Sessions::iterator> by_digest_;
   uint64_t bytes_ = 0;
 };
+
+// Aborted with the reason SESSION_CHANGED where they differ; the metadata has the revision that is there.
+absl::Status CheckRevision(uint64_t wanted, uint64_t there);
 
 }  // namespace meshfront

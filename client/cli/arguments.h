@@ -36,6 +36,7 @@ struct RemeshArguments {
   std::string stats, trace, picture, write_repaired, removed;  // paths, empty: not wanted
   std::string keep_session, session;                           // likewise
   bool patch_only = false;
+  bool update_session = false;
   bool quiet = false;
 };
 

@@ -1,6 +1,7 @@
 // Algorithm: 1. ParseArguments, before anything is touched; 2. CheckOutputs, so that a folder that can't be written is told before
 // the work; 3. ReadMesh; 4. UseInput: the repaired copy and the left half of the picture, so that the input need not be kept;
 // 5. Call: chunks go to the spool as they come; 6. WriteResult, picture and stats.
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <optional>
@@ -102,7 +103,11 @@ class RemeshCommand {
 
   absl::Status ParseSession() {
     const std::string &session = arguments_.session, &kept = arguments_.keep_session;
-    if (session.empty() && kept.empty()) return absl::OkStatus();
+    call_.update_session = arguments_.update_session;
+    if (session.empty() && kept.empty()) {
+      if (!arguments_.update_session) return absl::OkStatus();
+      return absl::InvalidArgumentError("--update-session needs --session or --keep-session, whose mesh it replaces");
+    }
     if (!remote()) {
       return absl::InvalidArgumentError(
           absl::StrCat(kept.empty() ? "--session" : "--keep-session", " needs --server: the session lives there"));
@@ -222,6 +227,7 @@ class RemeshCommand {
     is_asset_ = !input_.attributes.empty() || (is_gltf() && asset_.gltf != nullptr);
     if (wanted && !left_out.empty())
       warnings_.push_back(absl::StrCat("not carried over: ", absl::StrJoin(left_out, ", ")));
+    if (wanted) left_out_ = std::move(left_out);
     const std::vector<std::string> files = is_asset_ ? FilesBeside(asset_) : std::vector<std::string>();
     if (!files.empty() && !LieInOneFolder(arguments_.in, arguments_.out)) {
       warnings_.push_back(absl::StrCat(arguments_.out, " names files that lie beside ", arguments_.in,
@@ -401,9 +407,12 @@ class RemeshCommand {
                                ByteSink& file) {
     if (!bytes.ok())
       return absl::InternalError(absl::StrCat(file.name(), " can't be written: ", bytes.status().message()));
-    if (!left_out.empty() && left_out != left_out_)
-      PrintWarnings({absl::StrCat("not carried over: ", absl::StrJoin(left_out, ", "))});
-    left_out_ = left_out;
+    std::vector<std::string> news;
+    for (const std::string& name : left_out) {
+      if (std::find(left_out_.begin(), left_out_.end(), name) == left_out_.end()) news.push_back(name);
+    }
+    if (!news.empty()) PrintWarnings({absl::StrCat("not carried over: ", absl::StrJoin(news, ", "))});
+    left_out_.insert(left_out_.end(), news.begin(), news.end());
     return file.Append(*bytes);
   }
 
@@ -476,7 +485,7 @@ class RemeshCommand {
   std::vector<ChunkSpool> spools_;
   std::vector<v1::Summary> summaries_;
   std::vector<ClientFigures> figures_ = {{}};
-  std::vector<std::string> left_out_;  // told last
+  std::vector<std::string> left_out_;  // told so far
 };
 
 }  // namespace

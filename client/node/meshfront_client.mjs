@@ -89,13 +89,31 @@ export class RemeshClient {
   }
 
   /**
-   * Resolves to {positions, triangles, summary, warnings, complete}; where complete is false, summary.openPlaces says where it is not
-   * whole. Rejects with RemeshError, DamagedError, or what onProgress throws; the server ends the job then.
-   *
-   * settings: {options, timeout: seconds, onProgress: (triangles, predictedTriangles) => …, signal: an AbortSignal}
+   * Remeshes the mesh that the server keeps as summary.session.id. settings: see call, and sessionRevision: rejects (ABORTED) where the
+   * session's mesh has another one.
    */
-  call(header, arrays, {options = {}, timeout, onProgress, signal} = {}) {
+  remeshSession(sessionId, {sessionRevision, ...settings} = {}) {
+    const revision = sessionRevision === undefined ? {} : {sessionRevision};
+    return this.call({sessionId, ...revision}, [], settings);
+  }
+
+  /**
+   * Resolves to {positions, triangles, removed, summary, warnings, complete}; where complete is false, summary.openPlaces says where it
+   * is not whole; removed: faces of the input that a patch (region.patchOnly) takes the place of. Rejects with RemeshError,
+   * DamagedError, or what onProgress throws; the server ends the job then.
+   *
+   * settings: {options, timeout: seconds, onProgress: (triangles, predictedTriangles) => …, signal: an AbortSignal,
+   *            regionFaces: a Uint32Array of faces to remesh, keepSession: the server keeps the mesh for remeshSession,
+   *            updateSession: with that or of a session, the result takes the place of the mesh that is kept; its faces are the input's
+   *            but for the removed ones, then the new ones}
+   */
+  call(header, arrays, {options = {}, timeout, onProgress, signal, regionFaces, keepSession = false, updateSession = false} = {}) {
     expectOptions(options);
+    if (regionFaces) {
+      if (!(regionFaces instanceof Uint32Array)) throw new TypeError('regionFaces must be a Uint32Array');
+      options = {...options, region: {...options.region, faceCount: regionFaces.length}};
+      arrays = [...arrays, ['ARRAY_REGION_FACES', bytesOf(regionFaces)]];
+    }
     const stream = this.stub.remesh(deadlineOf(timeout));
     return new Promise((resolve, reject) => {
       const collected = new Collected();
@@ -121,7 +139,7 @@ export class RemeshClient {
           fail(error);
         }
       });
-      send(stream, {...header, options, output: {scalarType: 'SCALAR_TYPE_FLOAT64'}}, arrays).catch(fail);
+      send(stream, {...header, options, keepSession, updateSession, output: {scalarType: 'SCALAR_TYPE_FLOAT64'}}, arrays).catch(fail);
     });
   }
 }
@@ -179,6 +197,7 @@ async function send(stream, header, arrays) {
 export class Collected {
   positions = [];
   triangles = [];
+  removed = [];
   warnings = [];
   vertexCount = 0;
   triangleCount = 0;
@@ -188,6 +207,7 @@ export class Collected {
   take(event) {
     if (event.event === 'chunk') this.takeChunk(event.chunk);
     else if (event.event === 'progress') this.predicted = event.progress.predictedTriangles;
+    else if (event.event === 'removed') this.takeRemoved(event.removed);
     else if (event.event === 'defect') this.warnings.push(event.defect.message);
     else if (event.event === 'summary') this.summary = event.summary;
   }
@@ -207,13 +227,21 @@ export class Collected {
     this.triangleCount += chunk.triangleCount;
   }
 
+  takeRemoved({faces, crc32c: sum}) {
+    if (crc32c(faces) !== sum) throw new DamagedError('a list of removed faces is not what was sent');
+    this.removed.push(faces);
+  }
+
   result() {
     if (!this.summary || this.summary.chunks !== this.positions.length)
       throw new DamagedError('the stream ended without its summary, or chunks are missing: the mesh is not whole');
     const joined = (parts) => Uint8Array.from(Buffer.concat(parts)).buffer; // aligned
+    const removed = new Uint32Array(joined(this.removed)), removedCount = this.summary.region?.removedFaces ?? 0;
+    if (removed.length !== removedCount) throw new DamagedError(`${removed.length} removed faces came; there are ${removedCount}`);
     return {
       positions: new Float64Array(joined(this.positions)),
       triangles: new Uint32Array(joined(this.triangles)),
+      removed,
       summary: this.summary,
       warnings: [...this.warnings, ...this.summary.warnings],
       complete: this.summary.complete,

@@ -54,6 +54,8 @@ class Result:
     triangles: array.array      # uint32, three a triangle, counter-clockwise seen from outside
     summary: events_pb2.Summary
     warnings: list              # sentences
+    # uint32: faces of the input that a patch (region.patch_only) takes the place of
+    removed: array.array = dataclasses.field(default_factory=lambda: array.array("I"))
 
     @property
     def complete(self):
@@ -101,14 +103,30 @@ class RemeshClient:
         header = mesh_pb2.Header(file=mesh_pb2.WholeFile(name=pathlib.PurePath(name).name, size_bytes=len(data)))
         return self._call(header, {mesh_pb2.ARRAY_FILE: memoryview(data)}, **keywords)
 
-    def _call(self, header, arrays, options=None, timeout=None, on_progress=None):
+    def remesh_session(self, session_id, session_revision=None, **keywords):
+        """Remeshes the mesh that the server keeps as summary.session.id; RemeshError (ABORTED) where it has another revision than this.
+
+        Keywords: see _call.
+        """
+        return self._call(mesh_pb2.Header(session_id=session_id, session_revision=session_revision), {}, **keywords)
+
+    def _call(self, header, arrays, options=None, timeout=None, on_progress=None, region_faces=None, keep_session=False,
+              update_session=False):
         """`options`: a dict or an options_pb2.RemeshOptions; `timeout`: seconds; `on_progress(triangles, predicted_triangles)`.
+
+        `region_faces`: a buffer of uint32, faces to remesh. `keep_session`: the server keeps the mesh for remesh_session.
+        `update_session`: with that or of a session, the result takes the place of the mesh that is kept. Its faces are the input's but for
+        the removed ones, then the new ones.
 
         Raises RemeshError, DamagedError. A call that is broken off (an exception in on_progress, Ctrl-C) is cancelled on the server too.
         """
         if options is not None:
             header.options.CopyFrom(options_pb2.RemeshOptions(**options) if isinstance(options, dict) else options)
         header.output.scalar_type = mesh_pb2.SCALAR_TYPE_FLOAT64
+        header.keep_session, header.update_session = keep_session, update_session
+        if region_faces is not None:
+            arrays = {**arrays, mesh_pb2.ARRAY_REGION_FACES: _as_bytes(region_faces, 4, "region_faces")}
+            header.options.region.face_count = len(arrays[mesh_pb2.ARRAY_REGION_FACES]) // 4
         call = self._stub.Remesh(_requests(header, arrays), timeout=timeout)
         try:
             return _collect(call, on_progress)
@@ -119,12 +137,12 @@ class RemeshClient:
 
 
 def _as_bytes(buffer, element, name):
-    """The bytes of three float64 or uint32 each; bytes themselves are taken as they are."""
+    """The bytes of three float64 (24), three uint32 (12) or one (4) each; bytes themselves are taken as they are."""
     view = memoryview(buffer)
     if not view.c_contiguous:
         raise ValueError(f"{name} must be contiguous")
-    wanted = {24: ("d",), 12: ("I", "L", "i")}[element]
-    if view.format not in ("B", "b", "c") and (view.format.lstrip("@=<") not in wanted or view.itemsize != element // 3):
+    wanted, size = {24: (("d",), 8), 12: (("I", "L", "i"), 4), 4: (("I", "L", "i"), 4)}[element]
+    if view.format not in ("B", "b", "c") and (view.format.lstrip("@=<") not in wanted or view.itemsize != size):
         raise TypeError(f"{name} has items of format {view.format!r}; it takes {'float64' if element == 24 else 'uint32'}")
     view = view.cast("B")
     if len(view) == 0 or len(view) % element:
@@ -146,7 +164,7 @@ def _requests(header, arrays):
 
 
 def _collect(call, on_progress):
-    positions, triangles, warnings = array.array("d"), array.array("I"), []
+    positions, triangles, removed, warnings = array.array("d"), array.array("I"), array.array("I"), []
     chunks, predicted, summary = 0, 0, None
     for response in call:
         kind = response.event.WhichOneof("event")
@@ -156,6 +174,10 @@ def _collect(call, on_progress):
             positions.frombytes(chunk.positions)
             triangles.frombytes(chunk.indices)
             chunks += 1
+        elif kind == "removed":
+            if crc32c(response.event.removed.faces) != response.event.removed.crc32c:
+                raise DamagedError("a list of removed faces is not what was sent")
+            removed.frombytes(response.event.removed.faces)
         elif kind == "progress":
             predicted = response.event.progress.predicted_triangles
         elif kind == "defect":
@@ -167,9 +189,11 @@ def _collect(call, on_progress):
             on_progress(len(triangles) // 3, predicted)
     if summary is None or summary.chunks != chunks:
         raise DamagedError("the stream ended without its summary, or chunks are missing: the mesh is not whole")
+    if summary.region.removed_faces != len(removed):
+        raise DamagedError(f"{len(removed)} removed faces came; there are {summary.region.removed_faces}")
     if sys.byteorder == "big":
-        positions.byteswap(), triangles.byteswap()
-    return Result(positions, triangles, summary, warnings)
+        positions.byteswap(), triangles.byteswap(), removed.byteswap()
+    return Result(positions, triangles, summary, warnings, removed)
 
 
 def _check(chunk, sequence, first_vertex):

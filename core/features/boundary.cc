@@ -44,8 +44,8 @@ SourcePoint PlaceOn(const MeshSurface& surface, uint32_t h, double t) {
 // Puts the rims' loops together from the curves of the feature graph.
 class LoopBuilder {
  public:
-  LoopBuilder(const MeshSurface& surface, std::vector<Rim> rims, double max_sagitta)
-      : surface_(surface), rims_(std::move(rims)), max_sagitta_(max_sagitta), graph_(surface) {}
+  LoopBuilder(const MeshSurface& surface, std::vector<Rim> rims, const SagittaLimits& limits)
+      : surface_(surface), rims_(std::move(rims)), limits_(limits), graph_(surface) {}
 
   absl::StatusOr<std::vector<OrientedLoop>> Build(const GuidanceField& field, const Context& context) {
     for (const Rim& rim : rims_) runs_.push_back(RunsOf(rim));
@@ -95,7 +95,7 @@ class LoopBuilder {
 
   const MeshSurface& surface_;
   const std::vector<Rim> rims_;
-  const double max_sagitta_;
+  const SagittaLimits limits_;
   const FeatureGraph graph_;
   std::vector<std::vector<Run>> runs_;           // of each rim
   std::vector<size_t> least_;                    // points of each curve
@@ -192,7 +192,8 @@ absl::Status LoopBuilder::Divide(size_t curve, const GuidanceField& field, const
     return absl::OkStatus();
   }
   const Curve polyline = graph_.CurveOf(graph_.curves()[curve]);
-  const CurveLimits limits{least_[curve], max_sagitta_, field.options().min_length};
+  const double sagitta = graph_.curves()[curve].is_crease ? limits_.any : std::min(limits_.any, limits_.rim);
+  const CurveLimits limits{least_[curve], sagitta, field.options().min_length};
   MESHFRONT_ASSIGN_OR_RETURN(points_[curve],
                              ResampleCurve(
                                  polyline, [&](const Vec3& x) { return field.At(x); }, context, limits));
@@ -314,8 +315,8 @@ absl::StatusOr<std::vector<SizingSample>> BoundarySizingSamples(
 }
 
 absl::StatusOr<std::vector<OrientedLoop>> BoundaryLoops(const MeshSurface& surface, const GuidanceField& field,
-                                                        double max_sagitta, const Context& context) {
-  LoopBuilder builder(surface, RimsOf(surface), max_sagitta);
+                                                        const SagittaLimits& limits, const Context& context) {
+  LoopBuilder builder(surface, RimsOf(surface), limits);
   return builder.Build(field, context);
 }
 

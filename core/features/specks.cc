@@ -27,6 +27,10 @@ struct Cluster {
   double cosines = 0;  // of the turns of its creases from edge to edge, …
   uint32_t turns = 0;  // … so many
   bool has_wedge = false;
+  Vec3 normal_around;  // of a large patch's face across the rim
+  bool is_flat_around = true,
+       turns_around = true;  // … and whether all are alike, and all faces inside of it turn from them
+  bool has_plane = false;    // a patch of several faces that is flat
 };
 
 class SpeckFinder {
@@ -42,6 +46,7 @@ class SpeckFinder {
   std::vector<bool> Run() {
     LabelPatches();
     LabelClusters();
+    FindPlanes();
     MeasureFaces();
     MeasureCreases();
     std::vector<bool> found(creases_.size());
@@ -64,12 +69,21 @@ class SpeckFinder {
   Vec3 DirectionOf(uint32_t h) const {
     return Normalized(mesh_.PositionAt(TargetOf(mesh_, h)) - mesh_.PositionAt(OriginOf(mesh_, h)));
   }
+  // Zero where the face has no area.
+  Vec3 NormalOf(uint32_t f) const {
+    const Triangle& t = mesh_.triangles[f];
+    const Vec3 &a = mesh_.PositionAt(t[0]), &b = mesh_.PositionAt(t[1]), &c = mesh_.PositionAt(t[2]);
+    return Normalized(Cross(b - a, c - a));
+  }
   double LongestLength(uint32_t f) const { return std::sqrt(SquaredLength(mesh_, LongestSide(mesh_, f))); }
   void LabelPatches();
   void LabelClusters();
+  void FindPlanes();
   void MeasureFaces();
+  void MeasureSide(uint32_t inside, uint32_t across, Cluster& c) const;
   void MeasureCreases();
   void MeasureTurn(uint32_t in, uint32_t out);
+  bool IsMeant(const Cluster& c) const { return c.is_flat_around && c.turns_around && c.has_plane; }
   bool IsSpeck(const Cluster& c) const;
 
   const TriangleMesh& mesh_;
@@ -79,6 +93,7 @@ class SpeckFinder {
   const double smallest_;
   FaceComponents patches_, cluster_of_;
   std::vector<uint32_t> sizes_;  // of each patch, in faces
+  std::vector<bool> is_plane_;   // likewise: several faces in one plane
   std::map<uint32_t, Cluster> clusters_;
 };
 
@@ -112,20 +127,39 @@ void SpeckFinder::LabelClusters() {
   }
 }
 
+// Of small patches alone: there are few faces in them.
+void SpeckFinder::FindPlanes() {
+  is_plane_.resize(patches_.count);
+  for (uint32_t label = 0; label < patches_.count; ++label) is_plane_[label] = sizes_[label] > 1;
+  for (uint32_t h = 0; h < creases_.size(); ++h) {
+    const uint32_t across = adjacency_.OppositeOf(h);
+    if (IsLarge(h / 3) || creases_[h] || across == kNoHalfEdge) continue;
+    if (Dot(NormalOf(h / 3), NormalOf(across / 3)) < kFlatCosine) is_plane_[patches_.label[h / 3]] = false;
+  }
+}
+
+void SpeckFinder::MeasureSide(uint32_t inside, uint32_t across, Cluster& c) const {
+  const uint32_t sea = patches_.label[across];
+  const Vec3 normal = NormalOf(across);
+  if (c.sides_around == 0) c.normal_around = normal;
+  c.is_inside = c.is_inside && (c.sides_around == 0 || c.sea == sea);
+  c.is_flat_around = c.is_flat_around && Dot(normal, c.normal_around) >= kFlatCosine;
+  c.turns_around = c.turns_around && Dot(NormalOf(inside), normal) <= kMeantTurnCosine;
+  c.sea = sea;
+  c.length_around += LongestLength(across);
+  ++c.sides_around;
+}
+
 void SpeckFinder::MeasureFaces() {
   for (uint32_t f = 0; f < mesh_.triangles.size(); ++f) {
     if (IsLarge(f)) continue;
     Cluster& c = clusters_[cluster_of_.label[f]];
     ++c.faces;
     c.length += LongestLength(f);
+    c.has_plane = c.has_plane || is_plane_[patches_.label[f]];
     for (const VertexId v : mesh_.triangles[f]) c.box.Extend(mesh_.PositionAt(v));
     for (const uint32_t across : adjacency_.opposite[f]) {
-      if (across == kNoHalfEdge || !IsLarge(across / 3)) continue;
-      const uint32_t sea = patches_.label[across / 3];
-      c.is_inside = c.is_inside && (c.sides_around == 0 || c.sea == sea);
-      c.sea = sea;
-      c.length_around += LongestLength(across / 3);
-      ++c.sides_around;
+      if (across != kNoHalfEdge && IsLarge(across / 3)) MeasureSide(f, across / 3, c);
     }
   }
 }
@@ -168,6 +202,7 @@ bool SpeckFinder::IsSpeck(const Cluster& c) const {
   const uint32_t sea = sizes_[c.sea];
   const bool in_sea = sea > kIslandsSea;
   if (in_sea && c.box.Diagonal() < smallest_) return true;
+  if (IsMeant(c)) return false;
   if (c.length / c.faces <= kSpeckFineness * c.length_around / c.sides_around) return false;
   const bool is_few = c.faces <= kSpeckFaces;
   // Of a spike all edges end in nodes: there is hardly a line that could zigzag.

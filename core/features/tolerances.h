@@ -102,8 +102,13 @@ inline constexpr uint32_t kSeaPerSpeck = 100;
 //     if two creases leave a vertex within 15° of each other (cosine), which would be a needle of the output, and the sea is as
 //     large;
 inline constexpr double kWedgeCosine = 0.966;
-//     or if it has few faces, however it runs, and the sea so many times as many.
+//     or if it has few faces, however it runs, and the sea so many times as many;
 inline constexpr uint32_t kSeaPerSmoothSpeck = 1000;
+// but, unless nobody sees it, none that somebody meant, as pockets and bosses of machined parts: the sea is one plane all around it (cosine:
+// 0.008°, which the rounding of files stays below), everything beside the sea turns by more than 20° from that, and a patch of two faces or
+// more is one plane as well. Noise has neither.
+inline constexpr double kFlatCosine = 1 - 1e-8;
+inline constexpr double kMeantTurnCosine = 0.94;
 
 // A curve passes close to what lies within this part of an edge's length around its middle; and a walk has reached a place when it ends
 // within this part of that.

@@ -322,14 +322,14 @@ class SceneReader {
       const std::string name = absl::AsciiStrToLower(v.Key());
       if (name != "position" && result_.mesh.dropped_attributes.size() < 64) NoteDropped(result_.mesh, name);
     }
-    if (json.Find("targets").exists()) NoteDropped(result_.mesh, "morph_targets");
+    if (json.Find("targets").exists()) NoteDropped(result_.mesh, "morph targets");
   }
 
   // What was noted, unless it is among the attributes.
   void NoteRest() {
     for (const AttributeChannel& c : result_.mesh.attributes.channels)
       std::erase(result_.mesh.dropped_attributes, absl::AsciiStrToLower(c.name));
-    if (!points_only_ && attributes_.carries_morphs()) std::erase(result_.mesh.dropped_attributes, "morph_targets");
+    if (!points_only_ && attributes_.carries_morphs()) std::erase(result_.mesh.dropped_attributes, "morph targets");
     if (points_only_ && file_.root().Find("animations").size() > 0) NoteDropped(result_.mesh, "animations");
     if (result_.mesh.normals.empty()) return;
     std::vector<std::string>& dropped = result_.mesh.dropped_attributes;

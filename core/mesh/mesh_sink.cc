@@ -1,5 +1,7 @@
 #include "core/mesh/mesh_sink.h"
 
+#include "core/base/status_macros.h"
+
 namespace meshfront {
 
 absl::Status CollectingSink::Append(const MeshPiece& piece) {
@@ -14,6 +16,11 @@ absl::Status CollectingSink::Append(const MeshPiece& piece) {
   a.groups.insert(a.groups.end(), piece.groups.begin(), piece.groups.end());
   finalised.insert(finalised.end(), piece.finalised.begin(), piece.finalised.end());
   return absl::OkStatus();
+}
+
+absl::Status TeeSink::Append(const MeshPiece& piece) {
+  MESHFRONT_RETURN_IF_ERROR(first_.Append(piece));
+  return second_.Append(piece);
 }
 
 }  // namespace meshfront

@@ -61,4 +61,14 @@ class CollectingSink : public MeshSink {
   std::vector<VertexId> finalised;
 };
 
+// Hands each piece to one sink, then to another, which both outlive it. The first status that is not OK stops the job.
+class TeeSink : public MeshSink {
+ public:
+  TeeSink(MeshSink& first, MeshSink& second) : first_(first), second_(second) {}
+  absl::Status Append(const MeshPiece& piece) override;
+
+ private:
+  MeshSink &first_, &second_;
+};
+
 }  // namespace meshfront

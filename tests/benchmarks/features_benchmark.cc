@@ -52,7 +52,7 @@ void BM_LoopsAlongCreases(benchmark::State& state) {
   const std::vector<bool> creases = *FindCreases(Mesh(), Adjacency(), kAngle, Context{});
   const auto surface = *MeshSurface::Create(Mesh(), Adjacency(), creases, Context{});
   const GuidanceField field = *GuidanceField::Create({}, {1.2, 0, 1.0}, Context{});
-  for (auto _ : state) benchmark::DoNotOptimize(BoundaryLoops(*surface, field, INFINITY, Context{}));
+  for (auto _ : state) benchmark::DoNotOptimize(BoundaryLoops(*surface, field, {}, Context{}));
   PerTriangle(state);
 }
 BENCHMARK(BM_LoopsAlongCreases)->Unit(benchmark::kMillisecond);

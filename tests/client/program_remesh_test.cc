@@ -17,6 +17,7 @@
 #include "tests/client/program.h"
 #include "tests/support/matchers.h"
 #include "tests/support/shapes.h"
+#include "tests/support/textured.h"
 
 namespace meshfront::testing {
 namespace {
@@ -338,6 +339,25 @@ TEST_F(Remesh, WarnsOfFilesThatLieBesideTheInputOnly) {
   std::filesystem::create_directory(PathOf("other"));
   EXPECT_THAT(Run({"remesh", "textured.obj", "other/out.obj"}).err, HasSubstr("not copied: t.mtl"));
   EXPECT_THAT(Run({"remesh", "textured.obj", "./out.obj"}).err, ::testing::Not(HasSubstr("t.mtl")));
+}
+
+// An accessor of another length is none of the target's: reading notes that it is lost, and so does writing.
+TEST_F(Remesh, SaysOnceThatMorphTargetsAreLost) {
+  const TriangleMesh morphing = WithChannel(Icosphere(2), "MORPH_0_POSITION", 3, [](const Vec3& p, const Vec3&) {
+    return std::vector<float>{0, 0, static_cast<float>(p.z)};
+  });
+  std::vector<std::string> left_out;
+  const absl::StatusOr<std::string> text = FormatAsset(morphing, Format::kGltf, {}, left_out);
+  ASSERT_THAT(text, IsOk());
+  Json doc = Json::parse(*text);
+  Json& primitive = doc["meshes"][0]["primitives"][0];
+  primitive["targets"][0]["POSITION"] = primitive["indices"];
+  std::ofstream(PathOf("in.gltf")) << doc.dump();
+  const Outcome outcome = Run({"remesh", "in.gltf", "out.glb"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const size_t first = outcome.err.find("not carried over: morph targets");
+  ASSERT_NE(first, std::string::npos) << outcome.err;
+  EXPECT_EQ(outcome.err.find("not carried over", first + 1), std::string::npos) << outcome.err;
 }
 
 TEST_F(Remesh, CarriesTextureCoordinatesUnlessTheyAreDropped) {

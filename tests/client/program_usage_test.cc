@@ -47,6 +47,7 @@ TEST_F(Program, ExplainsItselfWhenAsked) {
                            "--threads",      "--repair",    "--stats",
                            "--trace",        "--picture",   "--write-repaired",
                            "--patch-only",   "--removed",   "--timeout",
+                           "--keep-session", "--session",   "--update-session",
                            "--quiet",        "--in-format", "--out-format"}) {
     EXPECT_THAT(outcome.out, HasSubstr(flag));
   }

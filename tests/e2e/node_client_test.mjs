@@ -87,6 +87,26 @@ test('meshes points', async () => {
   assert.throws(() => client.remeshPoints(positions, normals.subarray(3)), RangeError);
 });
 
+test('lets patches accumulate in a session', async () => {
+  const [positions, triangles] = torus(96, 48);
+  const region = {sphere: {center: {x: 1.4}, radius: 0.3}};
+  const whole = await client.remeshMesh(positions, triangles, {options: {rho: 0.5, region}});
+  const count = whole.triangles.length / 3, kept = count - whole.summary.region.newTriangles;
+  const regionFaces = Uint32Array.from({length: count - kept}, (_, i) => kept + i); // what is new
+  const options = {rho: 0.2, region: {patchOnly: true}};
+  const twice = await client.remeshMesh(whole.positions, whole.triangles, {options, regionFaces});
+  const first = await client.remeshMesh(positions, triangles, {
+    options: {rho: 0.5, region: {...region, patchOnly: true}}, keepSession: true, updateSession: true});
+  assert.equal(first.removed.length, triangles.length / 3 - kept);
+  const {id, revision} = first.summary.session;
+  const second = await client.remeshSession(id, {sessionRevision: revision, options, regionFaces, updateSession: true});
+  assert.deepEqual([second.positions, second.triangles], [twice.positions, twice.triangles]);
+  assert.deepEqual([second.removed, twice.removed], [regionFaces, regionFaces]);
+  const isLate = (error) => error instanceof RemeshError && error.code === grpc.status.ABORTED;
+  await assert.rejects(client.remeshSession(id, {sessionRevision: revision, options, regionFaces}), isLate);
+  assert.throws(() => client.remeshSession(id, {options, regionFaces: [1]}), TypeError);
+});
+
 test('says what the server refuses', async () => {
   const [positions, triangles] = torus(8, 6);
   const isRefusal = (error) => error instanceof RemeshError && error.code === grpc.status.INVALID_ARGUMENT;

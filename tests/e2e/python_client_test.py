@@ -93,6 +93,25 @@ class PythonClient(unittest.TestCase):
         with self.assertRaises(ValueError):
             self.client.remesh_points(positions, normals[3:])
 
+    def test_patches_accumulate_in_a_session(self):
+        positions, triangles = torus(96, 48)
+        region = {"sphere": {"center": {"x": 1.4}, "radius": 0.3}}
+        whole = self.client.remesh_mesh(positions, triangles, options={"rho": 0.5, "region": region})
+        kept = len(whole.triangles) // 3 - whole.summary.region.new_triangles
+        faces = array.array("I", range(kept, len(whole.triangles) // 3))  # what is new
+        options = {"rho": 0.2, "region": {"patch_only": True}}
+        twice = self.client.remesh_mesh(whole.positions, whole.triangles, options=options, region_faces=faces)
+        first = self.client.remesh_mesh(positions, triangles, options={"rho": 0.5, "region": {**region, "patch_only": True}},
+                                        keep_session=True, update_session=True)
+        self.assertEqual(len(first.removed), len(triangles) // 3 - kept)
+        session = first.summary.session
+        second = self.client.remesh_session(session.id, session.revision, options=options, region_faces=faces, update_session=True)
+        self.assertEqual((second.positions, second.triangles, second.removed), (twice.positions, twice.triangles, twice.removed))
+        self.assertEqual(second.removed, faces)
+        with self.assertRaises(RemeshError) as late:
+            self.client.remesh_session(session.id, session.revision, options=options, region_faces=faces)
+        self.assertEqual(late.exception.code, grpc.StatusCode.ABORTED)
+
     def test_says_what_the_server_refuses(self):
         positions, triangles = torus(8, 6)
         with self.assertRaises(RemeshError) as refused:

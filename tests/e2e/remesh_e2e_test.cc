@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "client/remesh_client.h"
 #include "core/mesh/topology.h"
 #include "google/rpc/error_details.pb.h"
 #include "proto/wire/convert.h"
@@ -149,6 +150,150 @@ TEST(RemeshOverSocket, RemeshesRegionAfterRegionOfASession) {
     EXPECT_EQ(outcome.mesh.triangles, alone.mesh.triangles);
     EXPECT_EQ(outcome.summary->session().id(), session.id());
   }
+}
+
+// The whole result, in the scalars that sessions keep.
+Outcome WholeOf(const ServerProcess& server, const TriangleMesh& mesh, double z) {
+  v1::Header header = PatchHeader(HeaderOf(mesh), z);
+  header.mutable_options()->mutable_region()->set_patch_only(false);
+  Outcome outcome = RemeshAt(server, RequestOf(mesh, header));
+  EXPECT_TRUE(outcome.status.ok()) << outcome.status.error_message();
+  return outcome;
+}
+
+std::vector<v1::RemeshRequest> UpdateRequest(const std::string& id, double z) {
+  std::vector<v1::RemeshRequest> messages = SessionRequest(id, z);
+  messages[0].mutable_header()->set_update_session(true);
+  return messages;
+}
+
+// The second patch overlaps the first, and is one of what that left: by a sphere, and by the numbers of faces.
+TEST(RemeshOverSocket, LetsPatchesAccumulateInASession) {
+  const TriangleMesh sphere = Icosphere(4);
+  const ServerProcess server;
+  const Outcome first = WholeOf(server, sphere, 1), second = WholeOf(server, first.mesh, 0.8);
+  ASSERT_NE(second.mesh.triangles.size(), WholeOf(server, sphere, 0.8).mesh.triangles.size())
+      << "no other than of the first";
+
+  v1::Header header = PatchHeader(HeaderOf(sphere), 1);
+  header.set_keep_session(true);
+  header.set_update_session(true);  // the result is what is kept, from the first call on
+  const Outcome kept = RemeshAt(server, RequestOf(sphere, header));
+  ASSERT_TRUE(kept.status.ok()) << kept.status.error_message();
+  const std::string id = kept.summary->session().id();
+  EXPECT_EQ(kept.summary->session().revision(), 0u) << "nothing was there that it could replace";
+  std::vector<v1::RemeshRequest> of_kept = UpdateRequest(id, 0.8);
+  of_kept[0].mutable_header()->mutable_output()->set_scalar_type(
+      v1::SCALAR_TYPE_FLOAT32);  // what is sent is not what is kept
+  const Outcome patch = RemeshAt(server, of_kept);
+  ASSERT_TRUE(patch.status.ok()) << patch.status.error_message();
+  EXPECT_EQ(patch.summary->session().revision(), 1u);
+  EXPECT_EQ(patch.mesh.triangles.size(), second.summary->region().new_triangles());
+
+  // By numbers: the faces of the second whole mesh, all of the ball at the other end.
+  std::vector<uint32_t> faces;
+  for (uint32_t f = 0; f < second.mesh.triangles.size(); ++f) {
+    const Triangle& t = second.mesh.triangles[f];
+    if (std::all_of(t.begin(), t.end(), [&](VertexId v) { return second.mesh.PositionAt(v).z > 0.7; }))
+      faces.push_back(f);
+  }
+  const auto numbered = [&](v1::Header of, std::vector<v1::RemeshRequest> messages) {
+    of.mutable_options()->mutable_region()->set_patch_only(false);
+    of.mutable_options()->mutable_region()->set_face_count(faces.size());
+    *messages[0].mutable_header() = of;
+    v1::DataBlock& block = *messages.back().mutable_block();
+    block.set_array(v1::ARRAY_REGION_FACES);
+    block.set_data(faces.data(), faces.size() * sizeof(uint32_t));
+    block.set_crc32c(Crc32c(block.data()));
+    messages.emplace_back().mutable_end();
+    return RemeshAt(server, messages);
+  };
+  const Outcome sent_again =
+      numbered(PatchHeader(HeaderOf(second.mesh), 0), RequestOf(second.mesh, HeaderOf(second.mesh)));
+  const Outcome of_session = numbered(SessionRequest(id, 0)[0].header(), SessionRequest(id, 0));
+  ASSERT_TRUE(of_session.status.ok()) << of_session.status.error_message();
+  EXPECT_EQ(of_session.mesh.positions, sent_again.mesh.positions);
+  EXPECT_EQ(of_session.mesh.triangles, sent_again.mesh.triangles);
+  EXPECT_EQ(of_session.summary->session().revision(), 1u) << "it changed nothing";
+}
+
+// Texture coordinates and groups of both patches are those of the mesh sent twice.
+TEST(RemeshOverSocket, KeepsTheAttributesOfWhatAccumulates) {
+  TriangleMesh sphere = Icosphere(3);
+  MeshAttributes& a = sphere.attributes;
+  a.channels = {{"TEXCOORD_0", 2}};
+  for (const Triangle& t : sphere.triangles)
+    a.corners.push_back({t[0].index(), t[1].index(), t[2].index()}), a.groups.push_back(a.groups.size() % 640 < 320);
+  for (const Vec3& p : sphere.positions)
+    a.values.insert(a.values.end(), {static_cast<float>(p.x), static_cast<float>(p.y)});
+  const ServerProcess server;
+  RemeshClient client(CreateRemoteChannel(server.address()));
+  const auto remesh = [&](TriangleMesh mesh, CallOptions call, double z) {
+    call.options = PatchHeader({}, z).options();
+    call.options.mutable_region()->set_patch_only(false);
+    call.output.set_scalar_type(v1::SCALAR_TYPE_FLOAT64);
+    struct : RemeshObserver {
+      absl::Status OnChunk(const v1::Chunk&, const ChunkDecoder& chunk) override {
+        const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+        for (const SpooledVertex& v : chunk.vertices()) mesh.positions.push_back(v.position);
+        append(mesh.triangles, chunk.triangles());
+        append(mesh.attributes.values, chunk.wedge_values()), append(mesh.attributes.corners, chunk.corner_wedges());
+        append(mesh.attributes.groups, chunk.groups());
+        return absl::OkStatus();
+      }
+      TriangleMesh mesh;
+    } observer;
+    const absl::StatusOr<v1::Summary> summary = client.Remesh(std::move(mesh), call, observer);
+    EXPECT_TRUE(summary.ok()) << summary.status();
+    observer.mesh.attributes.channels = {{"TEXCOORD_0", 2}};
+    return std::pair(std::move(observer.mesh), summary.value_or(v1::Summary()));
+  };
+  CallOptions keep;
+  keep.keep_session = keep.update_session = true;
+  const auto [first, summary] = remesh(sphere, keep, 1);
+  CallOptions of_session;
+  of_session.session_id = summary.session().id();
+  of_session.session_revision = 0;
+  const TriangleMesh second = remesh({}, of_session, 0.8).first, twice = remesh(first, {}, 0.8).first;
+  EXPECT_EQ(second.positions, twice.positions);
+  EXPECT_EQ(second.triangles, twice.triangles);
+  EXPECT_EQ(second.attributes.values, twice.attributes.values);
+  EXPECT_EQ(second.attributes.corners, twice.attributes.corners);
+  EXPECT_EQ(second.attributes.groups, twice.attributes.groups);
+  EXPECT_GT(second.attributes.values.size(), 100u);
+}
+
+TEST(RemeshOverSocket, RefusesWhatIsMeantOfAnotherMeshOfTheSession) {
+  const TriangleMesh sphere = Icosphere(3);
+  const ServerProcess server({"--max-session-mb", "1"});
+  v1::Header header = HeaderOf(sphere);
+  header.set_update_session(true);
+  EXPECT_THAT(RemeshAt(server, RequestOf(sphere, header)).status.error_message(),
+              HasSubstr("it needs session_id or keep_session"));
+  header.set_update_session(false);
+  header.set_session_revision(0);
+  EXPECT_THAT(RemeshAt(server, RequestOf(sphere, header)).status.error_message(), HasSubstr("it needs session_id"));
+  header.clear_session_revision();
+  header.set_keep_session(true);
+  const std::string id = RemeshAt(server, RequestOf(sphere, header)).summary->session().id();
+  EXPECT_EQ(RemeshAt(server, UpdateRequest(id, 1)).summary->session().revision(), 1u);
+  std::vector<v1::RemeshRequest> again = UpdateRequest(id, 1);  // a retry, whose first answer was lost
+  again[0].mutable_header()->set_session_revision(0);
+  const Outcome late = RemeshAt(server, again);
+  EXPECT_EQ(late.status.error_code(), grpc::StatusCode::ABORTED);
+  EXPECT_EQ(late.reason(), "SESSION_CHANGED");
+  EXPECT_EQ(late.chunks, 0u) << "it was known before";
+  std::vector<v1::RemeshRequest> large = UpdateRequest(id, 1);
+  large[0].mutable_header()->mutable_options()->set_rho(0.03);
+  large[0].mutable_header()->mutable_options()->clear_region();  // all of it
+  const Outcome refused = RemeshAt(server, large);
+  EXPECT_EQ(refused.status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_EQ(refused.reason(), "SESSION_TOO_LARGE");
+  EXPECT_FALSE(refused.summary);
+  again[0].mutable_header()->set_session_revision(1);
+  const Outcome then = RemeshAt(server, again);
+  ASSERT_TRUE(then.status.ok()) << then.status.error_message();
+  EXPECT_EQ(then.summary->session().revision(), 2u);
 }
 
 TEST(RemeshOverSocket, SaysThatASessionIsGone) {

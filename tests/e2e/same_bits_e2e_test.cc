@@ -130,6 +130,17 @@ TEST(SameBitsOverSocket, InAPatchOfASession) {
   const auto others = std::filesystem::perms::group_all | std::filesystem::perms::others_all;
   EXPECT_EQ(std::filesystem::status(session).permissions() & others, std::filesystem::perms::none) << "it is a secret";
   EXPECT_EQ(run("-", {"--server", server.address(), "--session", session}), alone);
+  // The patch of a patch: of the mesh that is kept, and of the whole that the program writes.
+  const std::string first = folder / "first.ply";
+  const int code = ChildProcess({MESHFRONT_PROGRAM, "remesh", in, first, "--quiet", "--region", region}).Wait();
+  ASSERT_EQ(code, 0);
+  const std::string of_first = run(first, {});
+  EXPECT_NE(of_first, alone);
+  EXPECT_EQ(run("-", {"--server", server.address(), "--session", session, "--update-session"}), alone);
+  EXPECT_EQ(run("-", {"--server", server.address(), "--session", session}), of_first);
+  EXPECT_EQ(run(in, {"--server", server.address(), "--keep-session", session, "--update-session"}), alone);
+  EXPECT_EQ(run("-", {"--server", server.address(), "--session", session}), of_first);
+  EXPECT_EQ(run(in, {"--server", server.address(), "--update-session"}), "2") << "of which session";
   std::ofstream(session) << "0123456789abcdef\n";
   EXPECT_EQ(run("-", {"--server", server.address(), "--session", session}), "3") << "no such session";
   const std::string errors = folder / "errors";

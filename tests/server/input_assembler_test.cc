@@ -121,7 +121,13 @@ TEST(InputAssembler, PutsLinesBesideTheMesh) {
   points.mutable_points()->set_point_count(3);
   curves->set_segment_count(1);
   *points.mutable_options() = header.options();
-  EXPECT_THAT(std::string(InputAssembler({}).Accept(points).message()), HasSubstr("point set"));
+  points.mutable_points()->set_scalar_type(v1::SCALAR_TYPE_FLOAT32);  // lines have the points' scalars
+  Started s(points);
+  ASSERT_TRUE(s.assembler.Accept(Block(v1::ARRAY_POSITIONS, 0, Bytes<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}))).ok());
+  ASSERT_TRUE(s.assembler.Accept(Block(v1::ARRAY_FEATURE_POSITIONS, 0, Bytes<float>({0, 0, 0, 0.5, 0.5, 0}))).ok());
+  ASSERT_TRUE(s.assembler.Accept(Block(v1::ARRAY_FEATURE_SEGMENTS, 0, Bytes<uint32_t>({0, 1}))).ok());
+  ASSERT_TRUE(s.assembler.Accept(v1::EndOfInput()).ok());
+  EXPECT_EQ(s.assembler.Take().features.points.back(), (Vec3{0.5, 0.5, 0}));
 }
 
 TEST(InputAssembler, RefusesAHeaderThatSaysNothingOrTooMuch) {

@@ -126,7 +126,7 @@ TEST(SessionStore, KeepsMeshesUnderNamesOfTheirOwn) {
   const std::string first = *store.Keep(ball), second = *store.Keep(ball);
   EXPECT_NE(first, second);
   EXPECT_EQ(first.size(), 32u) << "128 random bits";
-  EXPECT_EQ(*store.Find(first), ball);
+  EXPECT_EQ(store.Find(first)->input, ball);
   EXPECT_EQ(store.usage().sessions, 2u);
   EXPECT_EQ(store.usage().bytes, 2 * ball->bytes());
   const absl::Status unknown = store.Find("0123").status();
@@ -165,6 +165,36 @@ TEST(SessionStore, RefusesWhatIsBeyondItsLimitsAlone) {
   EXPECT_EQ(none.Keep(Ball(1)).status().code(), absl::StatusCode::kResourceExhausted);
   EXPECT_EQ(small.Keep(Ball(2)).status().code(), absl::StatusCode::kResourceExhausted);
   EXPECT_EQ(small.usage().sessions, 0u);
+}
+
+TEST(SessionStore, ReplacesTheMeshThatIsMeant) {
+  SessionStore store({4, 1 << 20, absl::Minutes(1)});
+  const auto first = Ball(1), second = Ball(2);
+  const std::string name = *store.Keep(first);
+  EXPECT_EQ(store.Find(name)->revision, 0u);
+  EXPECT_EQ(*store.Replace(name, 0, second), 1u);
+  EXPECT_EQ(store.Find(name)->input, second);
+  EXPECT_EQ(store.Find(name)->revision, 1u);
+  EXPECT_EQ(store.usage().bytes, second->bytes());
+  const absl::Status late = store.Replace(name, 0, first).status();  // of what another call saw before
+  EXPECT_EQ(late.code(), absl::StatusCode::kAborted);
+  EXPECT_EQ(ReasonOf(late).reason, "SESSION_CHANGED");
+  EXPECT_EQ(store.Find(name)->input, second);
+  EXPECT_EQ(store.Replace("0123", 0, first).status().code(), absl::StatusCode::kNotFound);
+}
+
+TEST(SessionStore, MakesRoomForWhatReplaces) {
+  const auto small = Ball(1), large = Ball(3);
+  SessionStore store({4, large->bytes() + small->bytes(), absl::Minutes(1)});
+  const std::string oldest = *store.Keep(small), grown = *store.Keep(small), newest = *store.Keep(small);
+  EXPECT_EQ(*store.Replace(grown, 0, large), 1u);
+  EXPECT_FALSE(store.Find(oldest).ok());
+  EXPECT_TRUE(store.Find(newest).ok() && store.Find(grown).ok());
+  EXPECT_EQ(store.usage().bytes, large->bytes() + small->bytes());
+  const absl::Status beyond = store.Replace(newest, 0, Ball(4)).status();
+  EXPECT_EQ(beyond.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(ReasonOf(beyond).reason, "SESSION_TOO_LARGE");
+  EXPECT_EQ(store.Find(newest)->input, small);
 }
 
 TEST(SessionStore, IsSafeToUseFromManyThreads) {

@@ -1,8 +1,12 @@
 // Lines that a caller wants: the output has them as edges, from end to end.
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "core/geometry/segment.h"
+#include "core/mesh/adjacency.h"
 #include "core/remesh.h"
 #include "tests/support/checking_sink.h"
 #include "tests/support/matchers.h"
@@ -149,10 +153,112 @@ TEST(RemeshFeatures, AreRefusedWhereThereIsNoPlaceForThem) {
   CollectingSink sink;
   EXPECT_THAT(Remesh({Cube(3), {}, std::nullopt, nullptr, off}, sink, {}),
               StatusIs(absl::StatusCode::kInvalidArgument, "options.features.segments[0] lies at 0.5, 0.3, 1.2"));
-  TriangleMesh points = Icosphere(3);
-  points.triangles.clear();
-  EXPECT_THAT(Remesh({points, {}, std::nullopt, nullptr, off}, sink, {}),
-              StatusIs(absl::StatusCode::kInvalidArgument, "point set"));
+  Problem sampled{Cube(3), {}, std::nullopt, nullptr, off};
+  sampled.options.surface = SurfaceKind::kImls;
+  EXPECT_THAT(Remesh(std::move(sampled), sink, {}),
+              StatusIs(absl::StatusCode::kInvalidArgument, "leave options.surface out to keep lines"));
+  Problem apart{Sampled(Icosphere(3), 6), {}, std::nullopt, nullptr, off};  // no surface
+  EXPECT_FALSE(Remesh(std::move(apart), sink, {}).ok());
+}
+
+// A closed line around a ball and one that ends inside of its face, both a little off the points.
+TEST(RemeshFeatures, AreKeptOnPoints) {
+  const int n = 60;
+  Polylines lines;
+  for (int i = 0; i < n; ++i) {
+    const double angle = 2 * std::numbers::pi * i / n;
+    lines.points.push_back({0.802 * std::cos(angle), 0.802 * std::sin(angle), 0.6});
+    lines.segments.push_back({static_cast<uint32_t>(i), static_cast<uint32_t>((i + 1) % n)});
+  }
+  for (int i = 0; i <= 10; ++i) {
+    lines.points.push_back({std::cos(0.1 * i), std::sin(0.1 * i), 0});
+    if (i > 0) lines.segments.push_back({static_cast<uint32_t>(n + i - 1), static_cast<uint32_t>(n + i)});
+  }
+  for (const bool with_creases : {true, false}) {
+    CheckingSink sink;
+    Problem problem{Sampled(Icosphere(5), 8000), {}, std::nullopt, nullptr, lines};
+    if (!with_creases) problem.options.crease_angle = std::nullopt;
+    const absl::StatusOr<Report> report = Remesh(std::move(problem), sink, {});
+    ASSERT_THAT(report, IsOk());
+    EXPECT_TRUE(report->complete && report->input.is_point_set);
+    EXPECT_EQ(report->parameters.feature_segments, lines.segments.size());
+    EXPECT_THAT(report->warnings, ::testing::Contains(::testing::HasSubstr("lines are to be kept on the point set")));
+    EXPECT_THAT(sink.mesh(), IsClosedManifold());
+    EXPECT_THAT(sink.mesh(), HasGenus(0));
+    const double close = report->error_bound + 0.005;  // how far the lines are off
+    for (int i = 0; i < 100; ++i) {
+      const double around = 2 * std::numbers::pi * i / 100, along = 0.01 * i;
+      EXPECT_LE(NearestEdgeAlong(sink.mesh(), {0.8 * std::cos(around), 0.8 * std::sin(around), 0.6},
+                                 {-std::sin(around), std::cos(around), 0}),
+                close);
+      EXPECT_LE(
+          NearestEdgeAlong(sink.mesh(), {std::cos(along), std::sin(along), 0}, {-std::sin(along), std::cos(along), 0}),
+          close);
+    }
+  }
+}
+
+// A cube has its edges as well.
+TEST(RemeshFeatures, AreKeptBesideTheEdgesOfPoints) {
+  const Vec3 a{-0.5, -0.4, 1}, b{0.6, 0.3, 1};
+  CheckingSink sink;
+  const absl::StatusOr<Report> report =
+      Remesh({Sampled(Cube(3), 12000), {}, std::nullopt, nullptr, Line({a, b})}, sink, {});
+  ASSERT_THAT(report, IsOk());
+  EXPECT_TRUE(report->complete);
+  EXPECT_THAT(report->warnings, ::testing::Contains(::testing::HasSubstr("creases were found on the point set")));
+  EXPECT_THAT(sink.mesh(), IsClosedManifold());
+  for (const Vec3& p : {a, b}) EXPECT_LE(NearestVertex(sink.mesh(), p), 0.01);
+  for (int i = 1; i < 40; ++i)
+    EXPECT_LE(NearestEdgeAlong(sink.mesh(), a + i / 40.0 * (b - a), Normalized(b - a)), 0.01);
+  EXPECT_LE(NearestVertex(sink.mesh(), {1, 1, 1}), 0.03);
+}
+
+// Sides that have one face.
+std::vector<std::array<Vec3, 2>> RimOf(const TriangleMesh& mesh) {
+  const FaceAdjacency adjacency = CreateAdjacency(mesh);
+  std::vector<std::array<Vec3, 2>> rim;
+  for (uint32_t h = 0; h < 3 * mesh.triangles.size(); ++h) {
+    if (adjacency.OppositeOf(h) == kNoHalfEdge)
+      rim.push_back({mesh.PositionAt(OriginOf(mesh, h)), mesh.PositionAt(TargetOf(mesh, h))});
+  }
+  return rim;
+}
+
+double FarthestEnd(const std::vector<std::array<Vec3, 2>>& from, const std::vector<std::array<Vec3, 2>>& to) {
+  double farthest = 0;
+  for (const auto& side : from) {
+    double nearest = 1e9;
+    for (const auto& other : to) nearest = std::min(nearest, DistanceToSegment(side[0], other[0], other[1]));
+    farthest = std::max(farthest, nearest);
+  }
+  return farthest;
+}
+
+// The ends of a narrow ribbon were pointed: its corners lie closer together than an edge is long.
+TEST(RemeshRims, KeepTheCornersOfARibbon) {
+  const TriangleMesh ribbon = Mapped(Sheet(8), [](const Vec3& p) { return Vec3{p.x, 0.04 * p.y, 0}; });
+  const auto [result, report] = RemeshWith(ribbon, {}, 0.5);
+  ASSERT_THAT(report, IsOk());
+  for (const double x : {-1, 1}) {
+    for (const double y : {-0.04, 0.04}) EXPECT_LE(NearestVertex(result, {x, y, 0}), 1e-9) << x << " " << y;
+  }
+}
+
+// Holes of six faces each, which a triangle of the edges that are wanted would fit, are farther from that than surfaces may be.
+TEST(RemeshRims, KeepTheErrorBoundBothWays) {
+  TriangleMesh mesh = Icosphere(4);
+  std::erase_if(mesh.triangles, [](const Triangle& t) {
+    return std::any_of(t.begin(), t.end(), [](VertexId v) { return v.index() % 43 == 7; });
+  });
+  for (const double rho : {0.3, 0.5}) {
+    const auto [result, report] = RemeshWith(mesh, {}, rho);
+    ASSERT_THAT(report, IsOk());
+    EXPECT_EQ(report->output.boundary_loops, report->input.topology.boundary_loops);
+    EXPECT_GT(report->output.boundary_loops, 20u);
+    EXPECT_LE(FarthestEnd(RimOf(mesh), RimOf(result)), report->error_bound);
+    EXPECT_LE(FarthestEnd(RimOf(result), RimOf(mesh)), report->error_bound);
+  }
 }
 
 }  // namespace

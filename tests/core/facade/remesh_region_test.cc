@@ -227,6 +227,52 @@ TEST(RemeshRegion, HandsOnThePatchAlone) {
   for (const uint32_t f : patch.report.region->removed_faces) EXPECT_TRUE(IsInside(sphere, mesh, mesh.triangles[f]));
 }
 
+// Also of a mesh with attributes, and of one whose faces repair moves, drops and turns.
+TEST(RemeshRegion, HandsTheWholeToWhoGoesOnWithItBesideThePatch) {
+  TriangleMesh dirty = testing::Icosphere(4);
+  dirty.triangles.insert(dirty.triangles.begin() + 7, {VertexId(0), VertexId(0), VertexId(1)});
+  std::swap(dirty.triangles[50][1], dirty.triangles[50][2]);
+  TriangleMesh grouped = testing::Icosphere(4);
+  grouped.attributes.groups.assign(grouped.triangles.size(), 0);
+  for (size_t f = 0; f < grouped.triangles.size(); f += 2) grouped.attributes.groups[f] = 1;
+  for (const TriangleMesh& mesh : {testing::Icosphere(4), dirty, grouped}) {
+    Region region{RegionSphere{{0, 0, 1}, 0.6}};
+    const Result without = RemeshRegion(mesh, region);
+    region.patch_only = true;
+    CollectingSink patch, whole;
+    const auto report = Remesh({mesh, {}, region, nullptr, {}, &whole}, patch, {});
+    ASSERT_THAT(report, IsOk());
+    EXPECT_EQ(whole.mesh.positions, without.mesh.positions);
+    EXPECT_EQ(whole.mesh.triangles, without.mesh.triangles);
+    EXPECT_EQ(whole.mesh.attributes.groups, without.mesh.attributes.groups);
+    EXPECT_EQ(report->region->new_triangles, without.report.region->new_triangles);
+    // What a client has that takes the removed faces out of its list and appends those of the patch.
+    std::vector<FaceBits> list, faces;
+    std::vector<bool> is_removed(mesh.triangles.size());
+    for (const uint32_t f : report->region->removed_faces) is_removed[f] = true;
+    for (size_t f = 0; f < mesh.triangles.size(); ++f) {
+      Triangle t = mesh.triangles[f];
+      if (f == 50 && mesh.triangles.size() == dirty.triangles.size()) std::swap(t[1], t[2]);  // as repaired
+      if (!is_removed[f]) list.push_back(FaceOf(mesh, t));
+    }
+    for (const Triangle& t : patch.mesh.triangles) list.push_back(FaceOf(patch.mesh, t));
+    for (const Triangle& t : whole.mesh.triangles) faces.push_back(FaceOf(whole.mesh, t));
+    EXPECT_EQ(list, faces);
+  }
+}
+
+TEST(RemeshRegion, HandsTheWholeOnWithoutARegionToo) {
+  const TriangleMesh mesh = testing::Icosphere(3);
+  for (const bool with_region : {false, true}) {  // the second one is all of the mesh
+    CollectingSink sink, whole;
+    Problem problem{mesh, {}, std::nullopt, nullptr, {}, &whole};
+    if (with_region) problem.region = Region{RegionSphere{{0, 0, 0}, 2}, true};
+    ASSERT_THAT(Remesh(std::move(problem), sink, {}), IsOk());
+    EXPECT_EQ(whole.mesh.triangles, sink.mesh.triangles);
+    EXPECT_GT(whole.mesh.triangles.size(), 50u);
+  }
+}
+
 // The mean of the edges at the vertices that lie `from` to `to` away from the border, inwards.
 double MeanEdge(const TriangleMesh& mesh, const Vec3& center, double from, double to) {
   double sum = 0;

@@ -123,6 +123,32 @@ TEST(Counts, CutOffNoCornersOfCreases) {
   EXPECT_LT(distance->SymmetricMax(), 3.3 * out.report.parameters.options.max_error->value);
 }
 
+// A square of long strips, two faces each, of two materials in turn.
+TriangleMesh Stripes(uint32_t count) {
+  TriangleMesh mesh;
+  for (uint32_t i = 0; i <= count; ++i) {
+    const double x = static_cast<double>(i) / count;
+    mesh.positions.push_back({x, 0, 0});
+    mesh.positions.push_back({x, 1, 0});
+    if (i == count) break;
+    mesh.triangles.push_back({VertexId(2 * i), VertexId(2 * i + 2), VertexId(2 * i + 3)});
+    mesh.triangles.push_back({VertexId(2 * i), VertexId(2 * i + 3), VertexId(2 * i + 1)});
+    mesh.attributes.groups.insert(mesh.attributes.groups.end(), 2, i % 2);
+  }
+  return mesh;
+}
+
+// What is flat asks for hardly any triangles, and what lies between seams that are close together for very many.
+TEST(Sizes, AreWarnedOfWhereSeamsAskForManyTriangles) {
+  const auto of_seams = ::testing::Contains(HasSubstr("seams and rims that lie close together need the rest"));
+  TriangleMesh stripes = Stripes(140);
+  const Report report = RemeshOrFail(stripes, {}).report;
+  EXPECT_GT(report.output.triangles, 10000u);
+  EXPECT_THAT(report.warnings, of_seams);
+  stripes.attributes = {};
+  EXPECT_THAT(RemeshOrFail(stripes, {}).report.warnings, ::testing::Not(of_seams));
+}
+
 // A plate that is thinner than the edges that are asked for takes shorter ones, and a sphere does not.
 TEST(Sizes, AreWarnedOfWhereOthersComeOut) {
   RemeshOptions long_edges;

@@ -32,7 +32,7 @@ constexpr double kAnySagitta = std::numeric_limits<double>::infinity();
 GuidanceField Uniform(double length) { return *GuidanceField::Create({}, {1.2, 0, length}, {}); }
 
 std::vector<OrientedLoop> LoopsOf(const MeshSurface& surface, const GuidanceField& field) {
-  auto loops = BoundaryLoops(surface, field, kAnySagitta, {});
+  auto loops = BoundaryLoops(surface, field, {kAnySagitta}, {});
   EXPECT_TRUE(loops.ok()) << loops.status();
   return *std::move(loops);
 }
@@ -305,19 +305,21 @@ TEST(BoundaryLoops, StopWhenTheContextSaysSo) {
   Context context;
   context.stop = &stop;
   const auto surface = SurfaceOf(testing::Sheet(5));
-  EXPECT_EQ(BoundaryLoops(*surface, Uniform(0.1), kAnySagitta, context).status().code(), absl::StatusCode::kCancelled);
+  EXPECT_EQ(BoundaryLoops(*surface, Uniform(0.1), {kAnySagitta}, context).status().code(),
+            absl::StatusCode::kCancelled);
 }
 
 // Three round holes in a disk, in a field so coarse that each gets a triangle.
 TEST(BoundaryLoops, KeepTheSagittaThatIsAskedFor) {
   const auto surface = SurfaceOf(testing::DiskWithHoles(60));
-  const auto points = [&](double max_sagitta) {
-    const auto loops = BoundaryLoops(*surface, Uniform(0.5), max_sagitta, {});
+  const auto points = [&](const SagittaLimits& limits) {
+    const auto loops = BoundaryLoops(*surface, Uniform(0.5), limits, {});
     size_t count = 0;
     for (const OrientedLoop& loop : *loops) count += loop.points.size();
     return count;
   };
-  EXPECT_GT(points(0.005), points(kAnySagitta) + 8);
+  EXPECT_GT(points({0.005}), points({}) + 8);
+  EXPECT_EQ(points({.rim = 0.005}), points({0.005}));
 }
 
 }  // namespace

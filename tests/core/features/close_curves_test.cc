@@ -34,7 +34,7 @@ bool IsClose(const TriangleMesh& mesh, double length, bool with_creases = false)
   const auto surface = MeshSurface::Create(mesh, std::move(adjacency), creases, Context{});
   EXPECT_THAT(surface, IsOk());
   const GuidanceField field = *GuidanceField::Create({}, {1.2, 0, length}, Context{});
-  const auto loops = BoundaryLoops(**surface, field, std::numeric_limits<double>::infinity(), Context{});
+  const auto loops = BoundaryLoops(**surface, field, {}, Context{});
   EXPECT_THAT(loops, IsOk());
   const absl::StatusOr<bool> is_close = DoCurvesLieClose(**surface, *loops, Context{});
   EXPECT_THAT(is_close, IsOk());
@@ -70,7 +70,7 @@ TEST(DoCurvesLieClose, StopsWhenItIsTold) {
   const auto surface = MeshSurface::Create(Sheet(100), Context{});
   ASSERT_THAT(surface, IsOk());
   const GuidanceField field = *GuidanceField::Create({}, {1.2, 0, 0.1}, Context{});
-  const auto loops = BoundaryLoops(**surface, field, std::numeric_limits<double>::infinity(), Context{});
+  const auto loops = BoundaryLoops(**surface, field, {}, Context{});
   const std::atomic<bool> stop = true;
   Context context;
   context.stop = &stop;

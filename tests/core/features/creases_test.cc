@@ -254,6 +254,50 @@ TEST(FindCreases, KeepASmallPyramidOnACoarsePlate) {
   EXPECT_THAT(CreasesOf(PlateWithPyramid(0.09)), IsEmpty()) << "as coarse as the plate it may be noise";
 }
 
+// A plate of 20 × 20 squares, 0.1 wide, of which one is `depth` deeper; its wall is of two faces a side.
+TriangleMesh PlateWithPocket(double depth) {
+  TriangleMesh mesh = testing::Sheet(20);
+  std::vector<uint32_t> lower(mesh.positions.size(), 0);
+  const auto is_floor = [&](const Triangle& t) {
+    const Vec3 c = (mesh.PositionAt(t[0]) + mesh.PositionAt(t[1]) + mesh.PositionAt(t[2])) / 3.0;
+    return std::abs(c.x - 0.05) < 0.05 && std::abs(c.y - 0.05) < 0.05;
+  };
+  std::vector<std::array<VertexId, 2>> sides;
+  for (Triangle& t : mesh.triangles) {
+    if (!is_floor(t)) continue;
+    const Triangle upper = t;
+    for (VertexId& v : t) {
+      uint32_t& name = lower[v.index()];
+      if (name == 0) {
+        name = static_cast<uint32_t>(mesh.positions.size());
+        mesh.positions.push_back(mesh.PositionAt(v) - Vec3{0, 0, depth});
+      }
+      v = VertexId(name);
+    }
+    for (int i = 0; i < 3; ++i) {
+      const VertexId a = upper[i], b = upper[(i + 1) % 3];
+      const Vec3 d = mesh.PositionAt(b) - mesh.PositionAt(a);
+      if (std::abs(d.x * d.y) < 1e-9) sides.push_back({a, b});
+    }
+  }
+  for (const auto& [a, b] : sides) {
+    const VertexId low_a(lower[a.index()]), low_b(lower[b.index()]);
+    mesh.triangles.push_back({a, b, low_b});
+    mesh.triangles.push_back({a, low_b, low_a});
+  }
+  return mesh;
+}
+
+// Ten faces with corners in a patch of eight hundred; a spike has as many.
+TEST(FindCreases, KeepAPocketInAFlatFace) {
+  EXPECT_THAT(CreasesOf(PlateWithPocket(0.05)), SizeIs(12));
+  EXPECT_THAT(CreasesOf(PlateWithPocket(-0.05)), SizeIs(12)) << "and a boss";
+  TriangleMesh bent = testing::Mapped(PlateWithPocket(0.05), [](const Vec3& p) {
+    return p + Vec3{0, 0, 0.2 * p.x * p.x + 0.1 * p.y * p.y};
+  });
+  EXPECT_THAT(CreasesOf(bent), IsEmpty()) << "on a scan it may be noise";
+}
+
 TEST(FindCreases, AreNotMadeByDegenerateFaces) {
   // A third vertex on a face's side, off by less than anything: the cap between the two has a normal of its own.
   for (const double off : {0.0, 1e-9, -1e-6}) {

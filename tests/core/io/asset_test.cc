@@ -260,7 +260,7 @@ TEST(Asset, SaysWhichMorphTargetsAreLost) {
   const std::string glb = Replaced(MorphingGlb(), R"("NORMAL":3)", R"("NORMAL":4)");
   const auto read = ReadText(glb, Format::kGlb);
   ASSERT_THAT(read, IsOk());
-  EXPECT_THAT(read->mesh.dropped_attributes, ElementsAre("morph_targets"));
+  EXPECT_THAT(read->mesh.dropped_attributes, ElementsAre("morph targets"));
   std::vector<std::string> left_out;
   ASSERT_THAT(FormatAsset(read->mesh, Format::kObj, read->asset, left_out), IsOk());
   EXPECT_THAT(left_out, ElementsAre("nodes, textures, animations and skins of the glTF", "morph targets"));
