@@ -390,15 +390,13 @@ FieldBuilder::Probe FieldBuilder::MakeProbe() const {
 // on the probe alone.
 absl::StatusOr<double> FieldBuilder::ProbeCount(const SizedField& sized, double parameter, const Context& context) {
   const auto kept = sized.field.kept_samples();
-  std::vector<SizingSample> samples(kept.begin(), kept.end());
+  std::vector<double> lengths(kept.size());
   parameter_ = parameter;
-  for (SizingSample& sample : samples) {
-    const double curvature = CurvatureOf(sample.ideal_length, sized.parameter);
-    sample.ideal_length = std::clamp(WantedLengthAt(curvature), limits_.min_edge, limits_.max_edge);
+  for (size_t i = 0; i < kept.size(); ++i) {
+    const double curvature = CurvatureOf(kept[i].ideal_length, sized.parameter);
+    lengths[i] = std::clamp(WantedLengthAt(curvature), limits_.min_edge, limits_.max_edge);
   }
-  const GuidanceOptions options{limits_.eta, limits_.min_edge, LongestGuidance()};
-  MESHFRONT_ASSIGN_OR_RETURN(const GuidanceField field, GuidanceField::Create(std::move(samples), options, context));
-  return CountOnProbe(field, context);
+  return CountOnProbe(sized.field.WithLengths(lengths, LongestGuidance()), context);
 }
 
 // The curvature whose ideal length this is at a parameter.

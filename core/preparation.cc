@@ -303,7 +303,7 @@ absl::Status ChooseRegion(const Region& region, const std::vector<bool>& left,
 
 void MeasureInput(const TriangleMesh& mesh, const std::optional<FaceAdjacency>& adjacency, Preparation& p) {
   p.input.topology = adjacency ? MeasureTopology(mesh, *adjacency) : MeasureTopology(mesh);
-  p.input.diagonal = BoundingBox(mesh).Diagonal();
+  p.input.diagonal = (adjacency ? BoundingBox(mesh, *adjacency) : BoundingBox(mesh)).Diagonal();
   p.scale = ScaleFor(p.input.diagonal);
 }
 
@@ -387,7 +387,9 @@ double Preparation::PeakCurvature() const {
   return curvatures.empty() ? 0 : *std::max_element(curvatures.begin(), curvatures.end());
 }
 
-Box3 Preparation::Box() const { return points ? points->samples().box() : BoundingBox(surface->mesh()); }
+Box3 Preparation::Box() const {
+  return points ? points->samples().box() : BoundingBox(surface->mesh(), surface->adjacency());
+}
 
 double ErrorBoundInForce(const Preparation& p, double length, double max_curvature) {
   switch (p.parameters.options.sizing) {

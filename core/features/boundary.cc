@@ -19,6 +19,9 @@ namespace {
 using Rim = std::vector<uint32_t>;  // half-edges, the mesh on their left
 
 std::vector<Rim> RimsOf(const MeshSurface& surface) {
+  bool has_rim = false;
+  for (uint32_t c = 0; c < surface.component_count() && !has_rim; ++c) has_rim = surface.ComponentHasBoundary(c);
+  if (!has_rim) return {};
   std::vector<Rim> rims = FindBoundaryLoops(surface.adjacency());
   // A manifold has no shorter ones; nothing could be grown from them.
   std::erase_if(rims, [](const Rim& rim) { return rim.size() < 3; });

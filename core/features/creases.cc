@@ -55,6 +55,7 @@ class CreaseFinder {
 
   void FindFaceNormals();
   void SmoothHairs();
+  static bool IsThin(double area2, double longest2) { return area2 < kHairAspect * kHairAspect * longest2 * longest2; }
   bool IsHair(uint32_t f, double highest) const;
   uint32_t LongerBeside(uint32_t h) const;
   uint32_t BesideHair(uint32_t h, double highest) const;
@@ -91,6 +92,7 @@ class CreaseFinder {
   const FaceAdjacency& adjacency_;
   const double sharp_cosine_, weak_cosine_, faded_cosine_;
   std::vector<Vec3> normals_;
+  std::vector<uint32_t> thin_;  // faces: hairs are among them
   std::vector<bool> crease_;
   std::vector<int> degree_;                   // creases at each vertex; on the rim two more
   std::vector<std::vector<uint32_t>> fades_;  // half-edges, from where a line ends back to where it starts
@@ -104,8 +106,10 @@ void CreaseFinder::FindFaceNormals() {
     const Triangle& t = mesh_.triangles[f];
     const Vec3 &a = mesh_.PositionAt(t[0]), &b = mesh_.PositionAt(t[1]), &c = mesh_.PositionAt(t[2]);
     const Vec3 area = AreaVector(a, b, c);
-    normals_[f] = Normalized(area);
-    if (Norm(area) < kSliverHeight * SquaredLongestSide(a, b, c)) slivers.push_back(f);
+    const double norm = Norm(area), longest2 = SquaredLongestSide(a, b, c);
+    normals_[f] = norm > 0 ? area / norm : Vec3{};
+    if (norm < kSliverHeight * longest2) slivers.push_back(f);
+    if (IsThin(SquaredNorm(area), longest2)) thin_.push_back(f);
   }
   for (const uint32_t f : slivers) {
     const uint32_t across = adjacency_.OppositeOf(LongestSide(mesh_, f));
@@ -118,7 +122,7 @@ bool CreaseFinder::IsHair(uint32_t f, double highest) const {
   const Vec3 &a = mesh_.PositionAt(t[0]), &b = mesh_.PositionAt(t[1]), &c = mesh_.PositionAt(t[2]);
   const double longest2 = SquaredLongestSide(a, b, c);
   const double area2 = SquaredNorm(AreaVector(a, b, c));  // aspect² · longest⁴ = height² · longest²
-  return area2 < kHairAspect * kHairAspect * longest2 * longest2 && area2 < highest * highest * longest2;
+  return IsThin(area2, longest2) && area2 < highest * highest * longest2;
 }
 
 // Of the two other sides of its face.
@@ -144,7 +148,7 @@ uint32_t CreaseFinder::BesideHair(uint32_t h, double highest) const {
 void CreaseFinder::SmoothHairs() {
   const double highest = kHairOfDiagonal * BoundingBox(mesh_, adjacency_).Diagonal();
   std::vector<std::pair<uint32_t, Vec3>> smooth;
-  for (uint32_t f = 0; f < mesh_.triangles.size(); ++f) {
+  for (const uint32_t f : thin_) {
     if (!IsHair(f, highest)) continue;
     const uint32_t h = LongestSide(mesh_, f);
     const uint32_t a = BesideHair(h, highest), b = BesideHair(LongerBeside(h), highest);
@@ -156,13 +160,15 @@ void CreaseFinder::SmoothHairs() {
 
 bool CreaseFinder::MarkSharp() {
   bool any = false;
-  for (uint32_t h = 0; h < HalfEdges(); ++h) {
-    const uint32_t other = adjacency_.OppositeOf(h);
-    if (other == kNoHalfEdge) {
-      ++degree_[Origin(h)], ++degree_[Target(h)];
-    } else if (other > h && CosineAt(h) < sharp_cosine_) {
-      Set(h, true);
-      any = true;
+  for (uint32_t f = 0; f < mesh_.triangles.size(); ++f) {
+    for (uint32_t i = 0; i < 3; ++i) {
+      const uint32_t h = 3 * f + i, other = adjacency_.opposite[f][i];
+      if (other == kNoHalfEdge) {
+        ++degree_[Origin(h)], ++degree_[Target(h)];
+      } else if (other > h && Dot(normals_[f], normals_[other / 3]) < sharp_cosine_) {
+        Set(h, true);
+        any = true;
+      }
     }
   }
   return any;

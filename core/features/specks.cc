@@ -41,7 +41,11 @@ class SpeckFinder {
         adjacency_(adjacency),
         creases_(creases),
         most_(most_faces),
-        smallest_(kSpeckOfDiagonal * BoundingBox(mesh, adjacency).Diagonal()) {}
+        smallest_(kSpeckOfDiagonal * BoundingBox(mesh, adjacency).Diagonal()) {
+    for (uint32_t h = 0; h < creases_.size(); ++h) {
+      if (creases_[h]) on_crease_.push_back(h);
+    }
+  }
 
   std::vector<bool> Run() {
     LabelPatches();
@@ -50,8 +54,7 @@ class SpeckFinder {
     MeasureFaces();
     MeasureCreases();
     std::vector<bool> found(creases_.size());
-    for (uint32_t h = 0; h < creases_.size(); ++h) {
-      if (!creases_[h]) continue;
+    for (const uint32_t h : on_crease_) {
       for (const uint32_t f : {h / 3, adjacency_.OppositeOf(h) / 3}) {
         const Cluster* c = ClusterOf(f);
         if (c != nullptr && IsSpeck(*c)) found[h] = true;
@@ -89,6 +92,7 @@ class SpeckFinder {
   const TriangleMesh& mesh_;
   const FaceAdjacency& adjacency_;
   const std::vector<bool>& creases_;
+  std::vector<uint32_t> on_crease_;  // half-edges, in their order
   const uint32_t most_;
   const double smallest_;
   FaceComponents patches_, cluster_of_;
@@ -99,9 +103,7 @@ class SpeckFinder {
 
 void SpeckFinder::LabelPatches() {
   FaceAdjacency cut{adjacency_.opposite, {}};
-  for (uint32_t h = 0; h < creases_.size(); ++h) {
-    if (creases_[h]) cut.opposite[h / 3][h % 3] = kNoHalfEdge;
-  }
+  for (const uint32_t h : on_crease_) cut.opposite[h / 3][h % 3] = kNoHalfEdge;
   patches_ = LabelComponents(cut);
   sizes_.assign(patches_.count, 0);
   for (const uint32_t label : patches_.label) ++sizes_[label];
@@ -168,9 +170,7 @@ void SpeckFinder::MeasureFaces() {
 void SpeckFinder::MeasureCreases() {
   std::vector<uint32_t> leaving;
   std::vector<uint8_t> is_at_crease(mesh_.positions.size(), 0);
-  for (uint32_t h = 0; h < creases_.size(); ++h) {
-    if (creases_[h]) is_at_crease[OriginOf(mesh_, h).index()] = 1;
-  }
+  for (const uint32_t h : on_crease_) is_at_crease[OriginOf(mesh_, h).index()] = 1;
   for (uint32_t v = 0; v < mesh_.positions.size(); ++v) {
     if (!is_at_crease[v]) continue;
     leaving.clear();

@@ -42,6 +42,7 @@ constexpr double kPoor = 0.7;  // radius ratio of a triangle below which its sid
 constexpr int kRoundingSweeps = 4;
 constexpr double kRoundingSteps[] = {0.2, 0.1, 0.05};  // in parts of the mean spoke
 constexpr double kNearSide = 0.25;  // weight of the opposite corner below which a place lies next to a side
+constexpr double kNoFloor = -2;     // no worst is lower
 constexpr double kAtCorner = 0.9;   // weight of a corner above which no vertex fits between it and the place
 
 // The weights of a place in a triangle; negative beside it, all 0 where the triangle has no area.
@@ -62,11 +63,12 @@ Deviation Refinement::Measure(WindowTriangleId id) {
   return deviation;
 }
 
-void Refinement::Enclose(WindowTriangleId id) {
+void Refinement::Enclose(WindowTriangleId id, double known) {
   WindowTriangle& t = fronts_.at(id);
   const std::array<PlaceAndFoot, 3> places = PlacesOf(t.corners);
   double within = std::max(t.deviation, max_error_);
   for (int step = 0; step < kEnclosingSteps; ++step, within *= kEnclosingStep) {
+    if (within * kEnclosingStep <= known) continue;
     if (DeviationMeter(surface_, within).Measure(places).is_kept) break;
   }
   t.deviation = within;
@@ -103,27 +105,29 @@ void Refinement::MeasureDetails(const Corners& corners, Deviation& deviation) {
     longest = std::max(longest, Distance(fronts_.at(corners[i]).position, fronts_.at(corners[(i + 1) % 3]).position));
   for (const FarPlace& far : meter_.far_details()) {
     if (Dot(far.above.normal, normal) < kMinAgreement) continue;  // of another side, reached around an edge
-    const double distance = DistanceToOutput(far.above.position, corners);
+    const double enough = std::max(detail_bound, deviation.largest);
+    const double distance = DistanceToOutput(far.above.position, corners, enough);
     // Beyond the triangle's own size it belongs to another part of the output, which is not looked at here.
-    if (distance <= std::max(detail_bound, deviation.largest) || distance > kMaxDetail * longest) continue;
+    if (distance <= enough || distance > kMaxDetail * longest) continue;
     deviation.largest = distance;
     deviation.worst = {far.below, far.above};
     deviation.is_kept = false;
   }
 }
 
-// To the triangle and those that share a corner with it.
-double Refinement::DistanceToOutput(const Vec3& place, const Corners& corners) const {
+// To the triangle and those that share a corner with it; of distances up to `enough` any, the first that is found.
+double Refinement::DistanceToOutput(const Vec3& place, const Corners& corners, double enough) const {
   double least = INFINITY;
   const auto look_at = [&](const Corners& c) {
+    if (least <= enough) return;
     const TrianglePoint at =
         ClosestPointOnTriangle(place, fronts_.at(c[0]).position, fronts_.at(c[1]).position, fronts_.at(c[2]).position);
-    least = std::min(least, SquaredDistance(place, at.position));
+    least = std::min(least, Distance(place, at.position));
   };
   look_at(corners);
   for (const WindowVertexId v : corners)
     fronts_.VisitFan(v, [&](WindowTriangleId t, int) { look_at(fronts_.at(t).corners); });
-  return std::sqrt(least);
+  return least;
 }
 
 std::vector<WindowVertexId> Refinement::Refine(const std::vector<WindowTriangleId>& triangles, Manner manner,
@@ -200,8 +204,10 @@ bool Refinement::KeepsAround(const Corners& corners, double least_ratio) {
       const auto is_known = [&](const auto& known) { return known.first == t; };
       if (!keeps || std::any_of(now.begin(), now.end(), is_known)) return;
       const auto& c = fronts_.at(t).corners;
+      keeps = RatioOf(c) >= least_ratio;
+      if (!keeps) return;
       const Deviation deviation = MeasureCorners(c);
-      keeps = RatioOf(c) >= least_ratio && (deviation.is_kept || deviation.largest <= fronts_.at(t).deviation);
+      keeps = deviation.is_kept || deviation.largest <= fronts_.at(t).deviation;
       now.push_back({t, deviation.largest});
     });
   }
@@ -309,12 +315,16 @@ void Refinement::TurnAway(const std::vector<WindowTriangleId>& triangles) {
   }
 }
 
-double Refinement::WorstAround(WindowVertexId id, const Vec3& place) const {
+// The least radius ratio around a vertex at a place, −1 where a triangle turns against the normal; anything below or at `floor` where
+// it is.
+double Refinement::WorstAround(WindowVertexId id, const Vec3& place, double floor) const {
   double worst = 1;
   const Vec3& normal = fronts_.at(id).source.normal;
   const bool closed = fronts_.VisitFan(id, [&](WindowTriangleId t, int corner) {
+    if (worst <= floor) return;
     const auto& c = fronts_.at(t).corners;
-    const Vec3 &from = fronts_.at(c[(corner + 1) % 3]).position, &to = fronts_.at(c[(corner + 2) % 3]).position;
+    const Vec3 &from = fronts_.at(c[corner == 2 ? 0 : corner + 1]).position,
+               &to = fronts_.at(c[corner == 0 ? 2 : corner - 1]).position;
     const Vec3 area = AreaVector(place, from, to);
     worst = std::min(worst, Dot(area, normal) < kMinAgreement * Norm(area) ? -1 : RadiusRatio(place, from, to));
   });
@@ -323,7 +333,7 @@ double Refinement::WorstAround(WindowVertexId id, const Vec3& place) const {
 
 void Refinement::RoundOff(WindowVertexId id) {
   WindowVertex& v = fronts_.at(id);
-  double worst = WorstAround(id, v.position);
+  double worst = WorstAround(id, v.position, kNoFloor);
   if (worst >= kRound) return;
   double spoke = 0, count = 0;
   fronts_.VisitFan(id, [&](WindowTriangleId t, int corner) {
@@ -337,7 +347,7 @@ void Refinement::RoundOff(WindowVertexId id) {
     for (const auto& [x, y] :
          {std::pair{1.0, 0.0}, {0.5, 0.866}, {-0.5, 0.866}, {-1.0, 0.0}, {-0.5, -0.866}, {0.5, -0.866}}) {
       const Vec3 offset = step * spoke / count * (x * u + y * w);
-      const double trial = WorstAround(id, v.position + offset);
+      const double trial = WorstAround(id, v.position + offset, best_worst);
       if (trial > best_worst) best = offset, best_worst = trial;
     }
     if (best_worst <= worst) continue;
@@ -346,7 +356,7 @@ void Refinement::RoundOff(WindowVertexId id) {
     const double height = Dot(position - source.position, n);  // as the fit or a lift left it
     v.source = surface_.Snap(source, source.position + best);
     v.position = v.source.position + height * v.source.normal;
-    const double after = WorstAround(id, v.position);
+    const double after = WorstAround(id, v.position, worst);
     if (after > worst && KeepsAround({id, id, id}, kMinLiftedRatio)) {
       worst = after;
     } else {

@@ -35,8 +35,9 @@ class Refinement {
   bool NeedNotBeMeasured(WindowTriangleId t, const TriangleFeet& feet);
   // Measures how far triangle and surface are apart, both ways, and writes it down at the triangle.
   Deviation Measure(WindowTriangleId t);
-  // Writes down of a triangle that is beyond the bound what it is certainly within, about to a twentieth.
-  void Enclose(WindowTriangleId t);
+  // Writes down of a triangle that is beyond the bound what it is certainly within, about to a twentieth. How much it is below `known` is
+  // not told apart.
+  void Enclose(WindowTriangleId t, double known);
   // Measures the triangles and mends those that don't keep the bound, the worst first and once each: by moving their corners towards
   // the surface, by turning a side, or by new vertices, whichever does it first. Returns the new vertices.
   // `limit`: how many vertices there may be, about, before a triangle is refined that is so many times the bound off.
@@ -60,7 +61,7 @@ class Refinement {
   std::array<PlaceAndFoot, 3> PlacesOf(const Corners& corners) const;
   Deviation MeasureCorners(const Corners& corners);
   void MeasureDetails(const Corners& corners, Deviation& deviation);
-  double DistanceToOutput(const Vec3& place, const Corners& corners) const;
+  double DistanceToOutput(const Vec3& place, const Corners& corners, double enough) const;
   double RatioOf(const Corners& corners) const;
   bool TryLift(WindowTriangleId t, Deviation deviation);
   bool LiftOnce(const Corners& corners, const PlaceAndFoot& worst);
@@ -81,7 +82,7 @@ class Refinement {
   void TurnTowards(WindowVertexId v);
   bool TryTurnAndRound(Link half_edge);
   void RoundOff(WindowVertexId v);
-  double WorstAround(WindowVertexId v, const Vec3& place) const;
+  double WorstAround(WindowVertexId v, const Vec3& place, double floor) const;
   double WorstAround(const Quad& q) const;
   double LeastRatioFor(WindowTriangleId t, Manner manner) const;
   void RefineAt(WindowTriangleId t, const Deviation& deviation, Manner manner);

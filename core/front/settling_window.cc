@@ -723,7 +723,8 @@ absl::Status SettlingWindow::Emit(bool everything) {
     }
     if (std::isfinite(options_.max_error)) {
       if (t.deviation < 0) refinement_.Measure(id);
-      if (t.deviation > options_.max_error && MayBeLargest(t.deviation)) refinement_.Enclose(id);
+      if (t.deviation > options_.max_error && MayBeLargest(t.deviation))
+        refinement_.Enclose(id, IsBeyondMended() ? 0 : counts_.largest_deviation);
       if (t.deviation > counts_.largest_deviation)
         counts_.largest_deviation = t.deviation, counts_.farthest_place = (place[0] + place[1] + place[2]) / 3.0;
       counts_.beyond_max_error += t.deviation > options_.max_error;

@@ -46,11 +46,14 @@ template <class Item>
 size_t SplitAtMedian(absl::Span<Item> items) {
   Box3 box;
   for (const Item& item : items) box.Extend(item.position);
-  const int axis = LongestAxis(box);
   const size_t half = items.size() / 2;
-  std::nth_element(items.begin(), items.begin() + half, items.end(), [axis](const Item& a, const Item& b) {
-    return a.position[axis] != b.position[axis] ? a.position[axis] < b.position[axis] : a.cone < b.cone;
-  });
+  const auto split_along = [&](double Vec3::*axis) {
+    std::nth_element(items.begin(), items.begin() + half, items.end(), [axis](const Item& a, const Item& b) {
+      return a.position.*axis != b.position.*axis ? a.position.*axis < b.position.*axis : a.cone < b.cone;
+    });
+  };
+  constexpr double Vec3::*kAxes[] = {&Vec3::x, &Vec3::y, &Vec3::z};
+  split_along(kAxes[LongestAxis(box)]);
   return half;
 }
 
@@ -212,6 +215,103 @@ MESHFRONT_WIDE double ConeTree::SearchBelow(uint32_t root, uint32_t skipped_lane
 
 double ConeTree::MinAt(const Vec3& x, double limit) const {
   return nodes_.empty() ? kInfinity : SearchBelow(0, kNoLane, x, limit, false);
+}
+
+// Like SearchBelow, but what comes near to the lowest is wanted as well. `limit` falls with that; what was taken before it did is
+// sifted at the end.
+MESHFRONT_WIDE bool ConeTree::Gather(const Vec3& center, double radius, double limit, ConePatch& patch) const {
+  patch.blocks = 0;
+  if (nodes_.empty()) return true;
+  const double window = 2 * slope_ * radius;
+  double lowest_of[ConePatch::kCapacity];
+  struct {
+    double bound;
+    uint32_t child;
+  } waiting[kMaxWaiting];
+  int count = 0;
+  uint32_t at = 0;
+  while (true) {
+    if (at & kLeafBit) {
+      const Leaf& leaf = leaves_[at ^ kLeafBit];
+      for (uint32_t b = leaf.first_block; b != leaf.first_block + leaf.block_count; ++b) {
+        const Block& block = blocks_[b];
+        const Lanes dx = center.x - LanesAt(block.x), dy = center.y - LanesAt(block.y),
+                    dz = center.z - LanesAt(block.z);
+        Lanes height = dx * dx + dy * dy + dz * dz;
+        TakeRoots(height);
+        height = slope_ * height + LanesAt(block.apex);
+        const double lowest = std::min(std::min(height[0], height[1]), std::min(height[2], height[3]));
+        if (!(lowest < limit)) continue;
+        if (patch.blocks == ConePatch::kCapacity) return false;
+        limit = std::min(limit, (lowest + window) * kPruneGrow);
+        lowest_of[patch.blocks] = lowest;
+        patch.block[patch.blocks++] = &block;
+      }
+    } else {
+      double bounds[kLanes];
+      BoundChildren(nodes_[at], center, bounds);
+      double lowest = limit;
+      int first = count;
+      for (int i = 0; i < kLanes; ++i) {
+        waiting[count] = {bounds[i], nodes_[at].child[i]};
+        first = bounds[i] < lowest ? count : first;
+        lowest = bounds[i] < lowest ? bounds[i] : lowest;
+        count += bounds[i] < limit;
+      }
+      if (lowest < limit) {
+        at = waiting[first].child;
+        waiting[first] = waiting[--count];
+        continue;
+      }
+    }
+    do {
+      if (count == 0) {
+        int kept = 0;
+        for (int i = 0; i < patch.blocks; ++i) {
+          patch.block[kept] = patch.block[i];
+          kept += lowest_of[i] < limit;
+        }
+        patch.blocks = kept;
+        return true;
+      }
+      --count;
+    } while (!(waiting[count].bound < limit));
+    at = waiting[count].child;
+  }
+}
+
+MESHFRONT_WIDE double ConeTree::MinOf(const ConePatch& patch, const Vec3& x) const {
+  Lanes lowest = {kInfinity, kInfinity, kInfinity, kInfinity};
+  for (int i = 0; i < patch.blocks; ++i) {
+    const Block& block = *patch.block[i];
+    const Lanes dx = x.x - LanesAt(block.x), dy = x.y - LanesAt(block.y), dz = x.z - LanesAt(block.z);
+    Lanes height = dx * dx + dy * dy + dz * dz;
+    TakeRoots(height);
+    height = slope_ * height + LanesAt(block.apex);
+    lowest = height < lowest ? height : lowest;
+  }
+  return std::min(std::min(lowest[0], lowest[1]), std::min(lowest[2], lowest[3]));
+}
+
+ConeTree ConeTree::WithApexes(absl::Span<const double> apexes) const {
+  ConeTree tree = *this;
+  for (size_t i = 0; i < apexes.size(); ++i) tree.blocks_[slots_[i] / kLanes].apex[slots_[i] % kLanes] = apexes[i];
+  tree.FindMinApexes();
+  return tree;
+}
+
+// Children come behind their parents.
+void ConeTree::FindMinApexes() {
+  for (Node& node : nodes_) std::fill_n(node.min_apex, kLanes, kInfinity);
+  for (const Leaf& leaf : leaves_) {
+    double& least = nodes_[leaf.place.node].min_apex[leaf.place.lane];
+    for (uint32_t b = leaf.first_block; b != leaf.first_block + leaf.block_count; ++b)
+      least = std::min(least, *std::min_element(blocks_[b].apex, blocks_[b].apex + kLanes));
+  }
+  for (size_t n = nodes_.size(); n-- > 1;) {
+    double& least = nodes_[parents_[n].node].min_apex[parents_[n].lane];
+    least = std::min(least, *std::min_element(nodes_[n].min_apex, nodes_[n].min_apex + kLanes));
+  }
 }
 
 bool ConeTree::AnyAtMost(uint32_t except, double height) const {

@@ -16,6 +16,19 @@ struct Cone {
   double apex = 0;  // > 0; +infinity: not there (yet)
 };
 
+// Four cones side by side, so that they are looked at without gathers. Unused places hold apex +infinity.
+struct ConeBlock {
+  static constexpr int kLanes = 4;  // two SSE2 registers of doubles each
+  double x[kLanes] = {}, y[kLanes] = {}, z[kLanes] = {}, apex[kLanes];
+};
+
+// The blocks of a tree that hold the cones of the lower envelope inside some ball.
+struct ConePatch {
+  static constexpr int kCapacity = 128;
+  int blocks = 0;
+  const ConeBlock* block[kCapacity];
+};
+
 // Answers queries over the lower envelope of cones of one slope. Exact: every answer is the one a scan over all cones with
 // slope · |x − position| + apex would give, in every bit. Queries are const, allocate nothing and may run on many threads;
 // Activate must not run beside them.
@@ -27,6 +40,15 @@ class ConeTree {
   // The minimum of the cones at x if that is below `limit`, else any value ≥ limit (+infinity mostly).
   double MinAt(const Vec3& x, double limit) const;
 
+  // Makes a patch of the cones that are, somewhere in a ball, the lowest of those below `limit` at its centre: those that lie less than
+  // 2 · slope · radius above the minimum there. False, and no patch, where their blocks are more than its capacity. The tree outlives it.
+  bool Gather(const Vec3& center, double radius, double limit, ConePatch& patch) const;
+  // The minimum of a patch's cones at x, +infinity where it has none: in every bit what MinAt finds in the ball, where that is below the
+  // patch's limit less slope · radius.
+  double MinOf(const ConePatch& patch, const Vec3& x) const;
+  // The same cones with other heights, one for each in the order in which they were given. O(n).
+  ConeTree WithApexes(absl::Span<const double> apexes) const;
+
   // True when a cone other than `except` (an index into the cones given; its own apex must be +infinity still) is at most
   // `height` at its position. Searches outward from where that cone is stored.
   bool AnyAtMost(uint32_t except, double height) const;
@@ -34,12 +56,8 @@ class ConeTree {
   void Activate(uint32_t cone, double apex);
 
  private:
-  static constexpr int kLanes = 4;  // cones of a block, children of a node: two SSE2 registers of doubles each
-
-  // Four cones side by side, so that a leaf is scanned without gathers. Unused places hold apex +infinity.
-  struct Block {
-    double x[kLanes] = {}, y[kLanes] = {}, z[kLanes] = {}, apex[kLanes];
-  };
+  static constexpr int kLanes = ConeBlock::kLanes;  // cones of a block, children of a node
+  using Block = ConeBlock;
   // Up to four children, bounded side by side. Unused ones, and those without an active cone, hold apex +infinity.
   struct alignas(64) Node {
     double min_x[kLanes] = {}, min_y[kLanes] = {}, min_z[kLanes] = {};
@@ -67,6 +85,7 @@ class ConeTree {
   uint32_t MakeLeaf(absl::Span<const Item> items, const Place& place);
   void BoundChildren(const Node& node, const Vec3& x, double bounds[kLanes]) const;
   double MinOfLeaf(const Leaf& leaf, const Vec3& x) const;
+  void FindMinApexes();
   double SearchBelow(uint32_t root, uint32_t skipped_lane, const Vec3& x, double limit, bool first_hit) const;
 
   double slope_;

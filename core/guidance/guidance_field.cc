@@ -47,6 +47,8 @@ absl::Status CheckSamples(absl::Span<const SizingSample> samples) {
   return absl::OkStatus();
 }
 
+constexpr double kRadiusSlack = 1 + 1e-9;  // of a patch: for rounding in the places
+
 std::vector<Cone> ConesOf(absl::Span<const SizingSample> samples, double eta) {
   std::vector<Cone> cones(samples.size());
   for (size_t i = 0; i < samples.size(); ++i) cones[i] = {samples[i].position, samples[i].ideal_length / eta};
@@ -60,6 +62,9 @@ struct GuidanceField::Index {
       : options(guidance_options),
         samples(std::move(kept)),
         tree(ConesOf(samples, options.eta), 1 - 1 / options.eta, kLeafSize) {}
+
+  Index(const GuidanceOptions& guidance_options, std::vector<SizingSample> changed, ConeTree changed_tree)
+      : options(guidance_options), samples(std::move(changed)), tree(std::move(changed_tree)) {}
 
   GuidanceOptions options;
   std::vector<SizingSample> samples;
@@ -86,6 +91,32 @@ double GuidanceField::At(const Vec3& x, double upper_bound) const {
   const GuidanceOptions& options = index_->options;
   const double lowest = index_->tree.MinAt(x, std::min(options.max_length, upper_bound) * kPruneGrow);
   return std::max(options.min_length, std::min(options.max_length, lowest));
+}
+
+GuidanceField GuidanceField::WithLengths(absl::Span<const double> ideal_lengths, double max_length) const {
+  GuidanceOptions options = index_->options;
+  options.max_length = max_length;
+  std::vector<SizingSample> samples = index_->samples;
+  std::vector<double> apexes(samples.size());
+  for (size_t i = 0; i < samples.size(); ++i) {
+    samples[i].ideal_length = ideal_lengths[i];
+    apexes[i] = ideal_lengths[i] / options.eta;
+  }
+  return GuidanceField(std::make_unique<Index>(options, std::move(samples), index_->tree.WithApexes(apexes)));
+}
+
+void FieldPatch::Cover(const Vec3& center, double radius, double upper_bound) {
+  const GuidanceOptions& options = field_.options();
+  // A place of the ball has at most that much more than the centre.
+  const double reach = kRadiusSlack * radius, slope = 1 - 1 / options.eta;
+  const double limit = std::min(options.max_length + slope * reach, upper_bound + 2 * slope * reach) * kPruneGrow;
+  is_whole_ = field_.index_->tree.Gather(center, reach, limit, patch_);
+}
+
+double FieldPatch::At(const Vec3& x) const {
+  if (!is_whole_) return field_.At(x);
+  const GuidanceOptions& options = field_.options();
+  return std::max(options.min_length, std::min(options.max_length, field_.index_->tree.MinOf(patch_, x)));
 }
 
 double GuidanceField::eta() const { return index_->options.eta; }

@@ -1,4 +1,4 @@
-//   1. g at every vertex, once (EvaluateVertices);
+//   1. g at every vertex, once (EvaluateVertices), runs of vertices close to each other together;
 //   2. per face, the integral: a face small against g by the edge-midpoint rule with g interpolated (g is Lipschitz with
 //      1 − 1/η, so it changes little there); a larger one in four, with g evaluated at the new corners;
 //   3. on a part of the faces, evenly spread, once more with g evaluated between the corners, and with what the front makes of
@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/base/status_macros.h"
+#include "core/geometry/box.h"
 #include "core/geometry/triangle.h"
 
 namespace meshfront {
@@ -30,6 +31,9 @@ constexpr double kMorePerSquaredGradient = 2.0;
 constexpr double kFewerPerSquaredBend = 0.16;
 constexpr double kMaxBend = 1.7320508075688772;  // √3: an edge that subtends a third of the circle
 constexpr int kMinDepth = 2, kMaxDepth = 8;
+// Vertices in a row that lie within a ball of this radius, in parts of g, are evaluated together, from so many on.
+constexpr double kRunPerGuidance = 0.5;
+constexpr size_t kShortestRun = 3, kLongestRun = 256;
 
 struct Corner {
   Vec3 position;
@@ -50,11 +54,11 @@ struct Integrals {
 class Integrator {
  public:
   Integrator(const GuidanceField& field, double split_ratio)
-      : field_(field), slope_(1 - 1 / field.eta()), split_ratio_(split_ratio) {}
+      : field_(field), patch_(field), slope_(1 - 1 / field.eta()), split_ratio_(split_ratio) {}
 
   // `depth`: of further splits, at most. `checks`: < 0: none; else of the parts that the next `checks` splits make each is checked,
   // of those of further splits the one in the middle.
-  Integrals Over(const Corner& a, const Corner& b, const Corner& c, int depth, int checks) const {
+  Integrals Over(const Corner& a, const Corner& b, const Corner& c, int depth, int checks) {
     const double longest = std::sqrt(SquaredLongestSide(a.position, b.position, c.position));
     if (depth == 0 || longest <= split_ratio_ * std::min({a.g, b.g, c.g})) return OverLeaf(a, b, c, checks >= 0);
     const Corner ab = Middle(a, b), bc = Middle(b, c), ca = Middle(c, a);
@@ -67,7 +71,7 @@ class Integrator {
 
  private:
   // Both rules are exact for quadratics: the middles of the edges; the corners and, with three quarters, the centroid.
-  Integrals OverLeaf(const Corner& a, const Corner& b, const Corner& c, bool is_checked) const {
+  Integrals OverLeaf(const Corner& a, const Corner& b, const Corner& c, bool is_checked) {
     const double area = TriangleArea(a.position, b.position, c.position);
     Integrals leaf;
     leaf.all = area / 3 *
@@ -75,7 +79,9 @@ class Integrator {
     if (!is_checked || !(area > 0)) return leaf;
     const Vec3 center = (a.position + b.position + c.position) / 3.0;
     const double corners = InverseSquare(a.g) + InverseSquare(b.g) + InverseSquare(c.g);
-    const double g = field_.At(center, std::min({BoundAt(center, a), BoundAt(center, b), BoundAt(center, c)}));
+    const double bound = std::min({BoundAt(center, a), BoundAt(center, b), BoundAt(center, c)});
+    patch_.Cover(center, bound, bound);
+    const double g = patch_.At(center);
     const Vec3 along = Normalized(b.position - a.position), normal = AreaVector(a.position, b.position, c.position);
     const double gradient2 = SquaredSlope(center, g, along) + SquaredSlope(center, g, Cross(Normalized(normal), along));
     const double curvature = (a.curvature + b.curvature + c.curvature) / 3;
@@ -84,11 +90,10 @@ class Integrator {
         area * (0.75 * InverseSquare(g) + corners / 12) * TrianglesPerIdealTriangle(g * curvature, gradient2);
     return leaf;
   }
-  // Of g along a direction, over one edge length g to either side: what varies within an edge the front doesn't follow.
+  // Of g along a direction, over one edge length g to either side, which the patch covers: what varies within an edge the front doesn't follow.
   double SquaredSlope(const Vec3& x, double g, const Vec3& along) const {
     const Vec3 step = g * along;
-    const double bound = (1 + slope_) * g;
-    const double rise = field_.At(x + step, bound) - field_.At(x - step, bound);
+    const double rise = patch_.At(x + step) - patch_.At(x - step);
     return 0.25 * rise * rise / SquaredNorm(step);
   }
   Corner Middle(const Corner& p, const Corner& q) const {
@@ -98,6 +103,7 @@ class Integrator {
   double BoundAt(const Vec3& x, const Corner& known) const { return known.g + slope_ * Distance(x, known.position); }
 
   const GuidanceField& field_;
+  FieldPatch patch_;
   const double slope_;  // of g, at most
   const double split_ratio_;
 };
@@ -112,16 +118,61 @@ int ChecksFor(size_t faces, size_t checked_pieces) {
   return std::max(0, static_cast<int>(std::log2(pieces_a_face) / 2));
 }
 
+// Evaluates g at places, in their order, of which most lie near the one before.
+class Evaluator {
+ public:
+  Evaluator(const GuidanceField& field, absl::Span<const Vec3> places, absl::Span<double> g)
+      : field_(field), patch_(field), slope_(1 - 1 / field.eta()), places_(places), g_(g) {}
+
+  void Evaluate(size_t begin, size_t end) {
+    for (size_t i = begin; i < end;) {
+      if (i == begin) {
+        g_[i] = field_.At(places_[i]);
+        ++i;
+        continue;
+      }
+      const double bound = BoundAt(places_[i], i - 1);
+      Box3 box;
+      const size_t run = RunFrom(i, end, kRunPerGuidance * bound, box);
+      if (run < kShortestRun) {
+        g_[i] = field_.At(places_[i], bound);
+        ++i;
+        continue;
+      }
+      const Vec3 center = 0.5 * (box.min + box.max);
+      patch_.Cover(center, 0.5 * box.Diagonal(), BoundAt(center, i - 1));
+      for (const size_t after = i + run; i < after; ++i) g_[i] = patch_.At(places_[i]);
+    }
+  }
+
+ private:
+  double BoundAt(const Vec3& x, size_t known) const { return g_[known] + slope_ * Distance(x, places_[known]); }
+  // How many places from one on lie in one ball of this radius, at least 1, and their box.
+  size_t RunFrom(size_t first, size_t end, double radius, Box3& box) const {
+    const double most = 4 * radius * radius;
+    box.Extend(places_[first]);
+    size_t i = first + 1;
+    for (; i < end && i - first < kLongestRun; ++i) {
+      Box3 longer = box;
+      longer.Extend(places_[i]);
+      if (SquaredDistance(longer.min, longer.max) > most) break;
+      box = longer;
+    }
+    return i - first;
+  }
+
+  const GuidanceField& field_;
+  FieldPatch patch_;
+  const double slope_;
+  const absl::Span<const Vec3> places_;
+  const absl::Span<double> g_;
+};
+
 absl::StatusOr<std::vector<double>> EvaluateVertices(const FaceSpans& faces, const GuidanceField& field,
                                                      const Context& context) {
   std::vector<double> g(faces.positions.size());
-  const double slope = 1 - 1 / field.eta();
   MESHFRONT_RETURN_IF_ERROR(ParallelFor(g.size(), kVertexGrain, context, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-      const double bound = i > begin ? g[i - 1] + slope * Distance(faces.positions[i], faces.positions[i - 1])
-                                     : field.options().max_length;
-      g[i] = field.At(faces.positions[i], bound);
-    }
+    Evaluator(field, faces.positions, absl::MakeSpan(g)).Evaluate(begin, end);
   }));
   return g;
 }
@@ -142,7 +193,7 @@ absl::StatusOr<double> PredictTriangles(const FaceSpans& faces, const GuidanceFi
   const int checks = ChecksFor(faces.triangles.size(), checked_pieces);
   std::vector<Integrals> sums((faces.triangles.size() + kFaceGrain - 1) / kFaceGrain);
   MESHFRONT_RETURN_IF_ERROR(ParallelFor(faces.triangles.size(), kFaceGrain, context, [&](size_t begin, size_t end) {
-    const Integrator integrator(field, faces.triangles.size() < kManyFaces ? kSplitRatio : kSplitRatioOfMany);
+    Integrator integrator(field, faces.triangles.size() < kManyFaces ? kSplitRatio : kSplitRatioOfMany);
     for (size_t f = begin; f < end; ++f) {
       Corner corners[3];
       for (int i = 0; i < 3; ++i) {

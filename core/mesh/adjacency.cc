@@ -175,18 +175,18 @@ std::vector<std::vector<uint32_t>> FindBoundaryLoops(const FaceAdjacency& adjace
 FaceComponents LabelComponents(const FaceAdjacency& adjacency) {
   FaceComponents out;
   out.label.assign(adjacency.opposite.size(), kNoHalfEdge);
-  std::vector<uint32_t> pending;
+  std::vector<uint32_t> pending(out.label.size());  // each face waits once
+  uint32_t* const label = out.label.data();
   for (uint32_t seed = 0; seed < out.label.size(); ++seed) {
-    if (out.label[seed] != kNoHalfEdge) continue;
-    out.label[seed] = out.count;
-    pending.push_back(seed);
-    while (!pending.empty()) {
-      const uint32_t f = pending.back();
-      pending.pop_back();
-      for (const uint32_t h : adjacency.opposite[f]) {
-        if (h == kNoHalfEdge || out.label[FaceOfHalfEdge(h)] != kNoHalfEdge) continue;
-        out.label[FaceOfHalfEdge(h)] = out.count;
-        pending.push_back(FaceOfHalfEdge(h));
+    if (label[seed] != kNoHalfEdge) continue;
+    label[seed] = out.count;
+    uint32_t* last = pending.data();
+    *last++ = seed;
+    while (last != pending.data()) {
+      for (const uint32_t h : adjacency.opposite[*--last]) {
+        if (h == kNoHalfEdge || label[FaceOfHalfEdge(h)] != kNoHalfEdge) continue;
+        label[FaceOfHalfEdge(h)] = out.count;
+        *last++ = FaceOfHalfEdge(h);
       }
     }
     ++out.count;

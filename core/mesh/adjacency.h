@@ -27,7 +27,8 @@ struct FaceAdjacency {
   // covers the whole fan. kNoHalfEdge for a vertex that no triangle uses.
   std::vector<uint32_t> outgoing;
 
-  uint32_t OppositeOf(uint32_t h) const { return opposite[h / 3][h % 3]; }
+  // opposite[h / 3][h % 3]: the arrays lie one behind the other.
+  uint32_t OppositeOf(uint32_t h) const { return opposite.data()->data()[h]; }
   // The next half-edge counter-clockwise that leaves the same vertex; kNoHalfEdge beyond the last one at a rim.
   uint32_t NextAroundOrigin(uint32_t h) const { return OppositeOf(PreviousHalfEdge(h)); }
   bool IsRimVertex(uint32_t v) const { return outgoing[v] != kNoHalfEdge && OppositeOf(outgoing[v]) == kNoHalfEdge; }

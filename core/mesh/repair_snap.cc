@@ -199,7 +199,7 @@ uint64_t SnapSoup(TriangleMesh& mesh) {
 uint64_t SnapRims(TriangleMesh& mesh) { return Move(mesh, RimSnaps(mesh, FindLoneSides(mesh).ends)); }
 
 bool DoRimsAlmostMeet(const TriangleMesh& mesh, const std::vector<uint32_t>& rim_vertices) {
-  return !RimSnaps(mesh, rim_vertices).empty();
+  return !rim_vertices.empty() && !RimSnaps(mesh, rim_vertices).empty();
 }
 
 }  // namespace meshfront

@@ -17,14 +17,38 @@ namespace {
 using namespace surface_tolerances;
 
 constexpr size_t kGrain = 4096;
-constexpr int kKeptEvery = 8;   // passes
-constexpr size_t kMaxKept = 3;  // the last ones
+constexpr int kKeptEvery = 4;   // passes
+constexpr size_t kMaxKept = 4;  // the last ones
+
+template <int kCount>
+double SumOf(const double* values, const uint32_t* ring, double sum) {
+  for (int i = 0; i < kCount; ++i) sum += values[ring[i]];
+  return sum;
+}
+// The sum over a ring, in its order. Most have six.
+inline double Sum(const double* values, const uint32_t* ring, const uint32_t* end, double sum) {
+  switch (end - ring) {
+    case 5:
+      return SumOf<5>(values, ring, sum);
+    case 6:
+      return SumOf<6>(values, ring, sum);
+    case 7:
+      return SumOf<7>(values, ring, sum);
+    default:
+      for (; ring != end; ++ring) sum += values[*ring];
+      return sum;
+  }
+}
 
 }  // namespace
 
 absl::StatusOr<CurvatureAverage> CurvatureAverage::Create(const MeshSurface& surface, const Context& context) {
   const TriangleMesh& mesh = surface.mesh();
-  MESHFRONT_ASSIGN_OR_RETURN(VertexRings rings, CreateVertexRings(mesh, surface.adjacency(), context));
+  std::shared_ptr<const VertexRings> rings = surface.vertex_rings();
+  if (!rings) {
+    MESHFRONT_ASSIGN_OR_RETURN(VertexRings made, CreateVertexRings(mesh, surface.adjacency(), context));
+    rings = std::make_shared<const VertexRings>(std::move(made));
+  }
   CurvatureAverage average(surface, std::move(rings));
   average.areas_.assign(mesh.positions.size(), 0);
   for (const Triangle& t : mesh.triangles) {
@@ -34,7 +58,7 @@ absl::StatusOr<CurvatureAverage> CurvatureAverage::Create(const MeshSurface& sur
   average.inverse_sums_.assign(mesh.positions.size(), 0);
   for (uint32_t v = 0; v < mesh.positions.size(); ++v) {
     double area = average.areas_[v];
-    for (const uint32_t u : average.rings_.Of(v)) area += average.areas_[u];
+    for (const uint32_t u : average.rings_->Of(v)) area += average.areas_[u];
     if (area > 0) average.inverse_sums_[v] = 1 / area;
   }
   return average;
@@ -65,10 +89,13 @@ absl::Status CurvatureAverage::Average(double passes, const Context& context) {
     const double part = std::min(passes - done, 1.0);
     for (size_t v = 0; v < own.size(); ++v) weighted[v] = areas_[v] * means_[v];
     MESHFRONT_RETURN_IF_ERROR(ParallelFor(own.size(), kGrain, context, [&](size_t begin, size_t end) {
+      // Locals, which the stores below cannot be taken to change.
+      const double *const from = weighted.data(), *const per_sum = inverse_sums_.data();
+      const uint32_t *const begins = rings_->begin.data(), *const neighbours = rings_->neighbours.data();
+      double* const means = means_.data();
       for (size_t v = begin; v < end; ++v) {
-        double sum = weighted[v];
-        for (const uint32_t u : rings_.Of(static_cast<uint32_t>(v))) sum += weighted[u];
-        means_[v] += part * (sum * inverse_sums_[v] - means_[v]);
+        const double sum = Sum(from, neighbours + begins[v], neighbours + begins[v + 1], from[v]);
+        means[v] += part * (sum * per_sum[v] - means[v]);
       }
     }));
     if (part == 1 && (done + 1) % kKeptEvery == 0) Keep(done + 1);

@@ -1,6 +1,7 @@
 // Curvature without the peaks that are narrower than the edges of a mesh to come.
 #pragma once
 
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -27,13 +28,14 @@ class CurvatureAverage {
                                                const Context& context);
 
  private:
-  CurvatureAverage(const MeshSurface& surface, VertexRings rings) : surface_(&surface), rings_(std::move(rings)) {}
+  CurvatureAverage(const MeshSurface& surface, std::shared_ptr<const VertexRings> rings)
+      : surface_(&surface), rings_(std::move(rings)) {}
   double PassesFor(absl::FunctionRef<double(double max_curvature)> ideal_length, double eta) const;
   absl::Status Average(double passes, const Context& context);
   void Keep(int passes);
 
   const MeshSurface* surface_;
-  VertexRings rings_;
+  std::shared_ptr<const VertexRings> rings_;
   std::vector<double> areas_, inverse_sums_;  // of each vertex a third of the faces around; of its ring and itself
   std::vector<double> means_;                 // after passes_
   double passes_ = -1;

@@ -55,7 +55,7 @@ struct Sources {
   std::vector<Sample> samples;
   absl::Span<const Vec3> positions;
   absl::Span<const Vec3> normals;
-  VertexRings rings;
+  const VertexRings& rings;
   const FaceAdjacency& adjacency;
   const LeastLengths& least;
 
@@ -242,23 +242,51 @@ double LargestTurn(const Sources& from, uint32_t v) {
   return turn;
 }
 
-// 2 / (a short incident edge): the circle whose diameter is that edge. The second quartile's first edge is short even where
-// triangles are long and thin (a cylinder), and does not follow a single degenerate one.
-double ResolvedCurvature(const Sources& from, uint32_t v) {
-  constexpr uint32_t kMostKept = VertexRings::kMaxDegree / 4 + 1;
-  double shortest2[kMostKept];  // in order
-  const absl::Span<const uint32_t> ring = from.rings.Of(v);
-  const size_t kept = ring.size() / 4 + 1;
-  std::fill_n(shortest2, kept, INFINITY);
-  for (const uint32_t neighbour : ring) {
-    double length2 = SquaredDistance(from.positions[v], from.positions[neighbour]);
-    for (size_t i = 0; i < kept; ++i) {
+// Squared length of a short edge around a vertex: the second quartile's first. `kKept` = neighbours / 4 + 1.
+template <size_t kKept>
+double ShortSquaredEdge(const Sources& from, uint32_t v) {
+  double shortest2[kKept];  // in order
+  std::fill_n(shortest2, kKept, INFINITY);
+  const Vec3 center = from.positions[v];
+  for (const uint32_t neighbour : from.rings.Of(v)) {
+    double length2 = SquaredDistance(center, from.positions[neighbour]);
+    for (size_t i = 0; i < kKept; ++i) {
       const double longer = std::max(shortest2[i], length2);
       shortest2[i] = std::min(shortest2[i], length2);
       length2 = longer;
     }
   }
-  return shortest2[kept - 1] > 0 ? 2 / std::max(std::sqrt(shortest2[kept - 1]), from.LeastLengthAt(v)) : 0;
+  return shortest2[kKept - 1];
+}
+double ShortSquaredEdge(const Sources& from, uint32_t v) {
+  static_assert(VertexRings::kMaxDegree == 32);
+  switch (from.rings.Of(v).size() / 4) {
+    case 0:
+      return ShortSquaredEdge<1>(from, v);
+    case 1:
+      return ShortSquaredEdge<2>(from, v);
+    case 2:
+      return ShortSquaredEdge<3>(from, v);
+    case 3:
+      return ShortSquaredEdge<4>(from, v);
+    case 4:
+      return ShortSquaredEdge<5>(from, v);
+    case 5:
+      return ShortSquaredEdge<6>(from, v);
+    case 6:
+      return ShortSquaredEdge<7>(from, v);
+    case 7:
+      return ShortSquaredEdge<8>(from, v);
+    default:
+      return ShortSquaredEdge<9>(from, v);
+  }
+}
+
+// 2 / (a short incident edge): the circle whose diameter is that edge. The second quartile's first edge is short even where
+// triangles are long and thin (a cylinder), and does not follow a single degenerate one.
+double ResolvedCurvature(const Sources& from, uint32_t v) {
+  const double shortest2 = ShortSquaredEdge(from, v);
+  return shortest2 > 0 ? 2 / std::max(std::sqrt(shortest2), from.LeastLengthAt(v)) : 0;
 }
 
 double MaxCurvatureAt(const Sources& from, uint32_t v, RingCollector& ring, RingSamples& samples) {
@@ -327,8 +355,15 @@ double MaxCurvatureOfQuadratic(double a, double b, double c, double d, double e)
 absl::StatusOr<std::vector<double>> FitMaxCurvatures(const TriangleMesh& mesh, const FaceAdjacency& adjacency,
                                                      absl::Span<const Vec3> normals, const Context& context,
                                                      const LeastLengths& least, const std::vector<bool>& wanted) {
-  MESHFRONT_ASSIGN_OR_RETURN(VertexRings rings, CreateVertexRings(mesh, adjacency, context));
-  const Sources sources{WeightedSamples(mesh, normals), mesh.positions, normals, std::move(rings), adjacency, least};
+  MESHFRONT_ASSIGN_OR_RETURN(const VertexRings rings, CreateVertexRings(mesh, adjacency, context));
+  return FitMaxCurvatures(mesh, adjacency, rings, normals, context, least, wanted);
+}
+
+absl::StatusOr<std::vector<double>> FitMaxCurvatures(const TriangleMesh& mesh, const FaceAdjacency& adjacency,
+                                                     const VertexRings& rings, absl::Span<const Vec3> normals,
+                                                     const Context& context, const LeastLengths& least,
+                                                     const std::vector<bool>& wanted) {
+  const Sources sources{WeightedSamples(mesh, normals), mesh.positions, normals, rings, adjacency, least};
   std::vector<double> curvatures(mesh.positions.size());
   CollectorPool collectors(mesh.positions.size());
   MESHFRONT_RETURN_IF_ERROR(ParallelFor(curvatures.size(), kGrain, context, [&](size_t begin, size_t end) {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/base/status_macros.h"
+#include "core/geometry/triangle.h"
 #include "core/surface/curvature_fit.h"
 #include "core/surface/mesh_surface.h"
 #include "core/surface/sheet_distance.h"
@@ -47,6 +48,13 @@ class Densifier {
   }
   void AddEdge(VertexId a, VertexId b, int pieces) {
     for (int i = 1; i < pieces; ++i) Add({a, b, b}, static_cast<double>(i) / pieces, 0);
+  }
+  // Whether no side of a face is cut, seen at once: true of almost all of a scan's.
+  bool IsWhole(const Triangle& t) const {
+    const double longest2 = SquaredLongestSide(mesh_.PositionAt(t[0]), mesh_.PositionAt(t[1]), mesh_.PositionAt(t[2]));
+    const double whole =
+        kWhole * std::min({ideal_lengths_[t[0].index()], ideal_lengths_[t[1].index()], ideal_lengths_[t[2].index()]});
+    return longest2 <= whole * whole;
   }
   // Points on a barycentric grid as fine as the least cut of the face's sides, without those on the sides.
   void AddFace(const Triangle& t, int pieces) {
@@ -101,8 +109,10 @@ absl::Status MeshSurface::ComputeCurvatureOf(const std::vector<bool>& faces, con
   }
   std::vector<double> least_lengths;
   for (const double diagonal : whole_diagonals()) least_lengths.push_back(kLeastOfDiagonal * diagonal);
-  MESHFRONT_ASSIGN_OR_RETURN(
-      curvatures_, FitMaxCurvatures(mesh_, adjacency_, normals_, context, {least_lengths, components_.label}, wanted));
+  MESHFRONT_ASSIGN_OR_RETURN(VertexRings rings, CreateVertexRings(mesh_, adjacency_, context));
+  rings_ = std::make_shared<const VertexRings>(std::move(rings));
+  MESHFRONT_ASSIGN_OR_RETURN(curvatures_, FitMaxCurvatures(mesh_, adjacency_, *rings_, normals_, context,
+                                                           {least_lengths, components_.label}, wanted));
   has_curvature_ = true;
   return absl::OkStatus();
 }
@@ -144,6 +154,7 @@ absl::StatusOr<std::vector<CurvatureSample>> MeshSurface::CurvatureSamples(absl:
   for (uint32_t f = 0; f < mesh_.triangles.size(); ++f) {
     if (f % kCheckEvery == 0) MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
     const Triangle& t = mesh_.triangles[f];
+    if (densifier.IsWhole(t)) continue;
     std::array<int, 3> pieces = {0, 0, 0};  // 0: the edge is another face's
     for (int i = 0; i < 3; ++i) {
       const uint32_t across = adjacency_.opposite[f][i];

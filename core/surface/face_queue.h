@@ -17,43 +17,43 @@ class FaceMarks {
     count_ = 0;
     if (slots_.empty()) slots_.resize(256);
     if (++generation_ == 0) {  // after 2^32 searches
-      std::fill(slots_.begin(), slots_.end(), Slot{});
+      std::fill(slots_.begin(), slots_.end(), 0);
       generation_ = 1;
     }
   }
   // False where it is marked already.
   bool Mark(uint32_t face) {
+    const uint64_t key = KeyOf(face);
     const size_t mask = slots_.size() - 1;
-    for (size_t i = (face * 0x9e3779b1u) & mask;; i = (i + 1) & mask) {
-      if (slots_[i].generation != generation_) {
-        slots_[i] = {face, generation_};
-        if (2 * ++count_ > slots_.size()) Grow();
-        return true;
-      }
-      if (slots_[i].face == face) return false;
+    for (size_t i = PlaceOf(face) & mask;; i = (i + 1) & mask) {
+      if (slots_[i] == key) return false;
+      if (slots_[i] >> 32 == generation_) continue;  // another face's
+      slots_[i] = key;
+      if (2 * ++count_ > slots_.size()) Grow();
+      return true;
     }
   }
   bool IsMarked(uint32_t face) const {
+    const uint64_t key = KeyOf(face);
     const size_t mask = slots_.size() - 1;
-    for (size_t i = (face * 0x9e3779b1u) & mask; slots_[i].generation == generation_; i = (i + 1) & mask) {
-      if (slots_[i].face == face) return true;
+    for (size_t i = PlaceOf(face) & mask; slots_[i] >> 32 == generation_; i = (i + 1) & mask) {
+      if (slots_[i] == key) return true;
     }
     return false;
   }
 
  private:
-  struct Slot {
-    uint32_t face = 0, generation = 0;
-  };
+  static uint32_t PlaceOf(uint32_t face) { return face * 0x9e3779b1u; }
+  uint64_t KeyOf(uint32_t face) const { return uint64_t{generation_} << 32 | face; }
   void Grow() {
-    const std::vector<Slot> before = std::exchange(slots_, std::vector<Slot>(2 * slots_.size()));
+    const std::vector<uint64_t> before = std::exchange(slots_, std::vector<uint64_t>(2 * slots_.size()));
     count_ = 0;
-    for (const Slot& slot : before) {
-      if (slot.generation == generation_) Mark(slot.face);
+    for (const uint64_t slot : before) {
+      if (slot >> 32 == generation_) Mark(static_cast<uint32_t>(slot));
     }
   }
 
-  std::vector<Slot> slots_;
+  std::vector<uint64_t> slots_;  // generation, face
   size_t count_ = 0;
   uint32_t generation_ = 0;
 };

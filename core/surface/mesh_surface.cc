@@ -20,7 +20,8 @@ namespace {
 
 using namespace surface_tolerances;
 
-absl::Status ValidateMesh(const TriangleMesh& mesh) {
+// `adjacency`: null where it is not known yet.
+absl::Status ValidateMesh(const TriangleMesh& mesh, const FaceAdjacency* adjacency) {
   if (mesh.triangles.empty())
     return absl::InvalidArgumentError("the mesh has no triangles; a surface needs at least one");
   for (size_t f = 0; f < mesh.triangles.size(); ++f) {
@@ -34,7 +35,7 @@ absl::Status ValidateMesh(const TriangleMesh& mesh) {
       }
     }
   }
-  const double diagonal = BoundingBox(mesh).Diagonal();
+  const double diagonal = (adjacency ? BoundingBox(mesh, *adjacency) : BoundingBox(mesh)).Diagonal();
   if (!(diagonal >= kMinDiagonal && diagonal <= kMaxDiagonal)) {
     return absl::InvalidArgumentError(absl::StrCat("the mesh's bounding box has the diagonal ", diagonal,
                                                    "; it must be in [", kMinDiagonal, ", ", kMaxDiagonal,
@@ -52,7 +53,7 @@ absl::StatusOr<std::unique_ptr<MeshSurface>> MeshSurface::Create(TriangleMesh me
 absl::StatusOr<std::unique_ptr<MeshSurface>> MeshSurface::Create(TriangleMesh mesh,
                                                                  std::optional<FaceAdjacency> adjacency,
                                                                  const Context& context) {
-  MESHFRONT_RETURN_IF_ERROR(ValidateMesh(mesh));
+  MESHFRONT_RETURN_IF_ERROR(ValidateMesh(mesh, adjacency ? &*adjacency : nullptr));
   MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
   if (!adjacency) adjacency = FindOrientedAdjacency(mesh);
   if (!adjacency) {
@@ -69,7 +70,7 @@ absl::StatusOr<std::unique_ptr<MeshSurface>> MeshSurface::Create(TriangleMesh me
                                                                  const Context& context) {
   if (std::find(creases.begin(), creases.end(), true) == creases.end())
     return Create(std::move(mesh), std::move(adjacency), context);
-  MESHFRONT_RETURN_IF_ERROR(ValidateMesh(mesh));
+  MESHFRONT_RETURN_IF_ERROR(ValidateMesh(mesh, &adjacency));
   CreaseCut cut = CutAlongCreases(std::move(mesh), std::move(adjacency), creases);
   MESHFRONT_ASSIGN_OR_RETURN(auto surface, Create(std::move(cut.mesh), std::move(cut.adjacency), context));
   surface->originals_ = std::move(cut.original);

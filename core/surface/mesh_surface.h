@@ -20,6 +20,7 @@
 #include "core/surface/mesh_walk.h"
 #include "core/surface/self_meetings.h"
 #include "core/surface/surface.h"
+#include "core/surface/vertex_rings.h"
 
 namespace meshfront {
 
@@ -43,7 +44,7 @@ inline constexpr double kSheetReachPerLength = 0.75, kLongestSheetReachPerDiagon
 inline constexpr double kLeastOfDiagonal = 2e-4;
 
 // Immutable after ComputeCurvature; safe to read from many threads; deterministic at any thread count. Memory: the mesh, its
-// adjacency (about 16 bytes a face), 24 bytes of normal and 8 of curvature a vertex, and after a cut 12 bytes a face and 4 a vertex.
+// adjacency (about 16 bytes a face), 24 bytes of normal, 8 of curvature and 28 of rings a vertex, and after a cut 12 bytes a face and 4 a vertex.
 //   MESHFRONT_ASSIGN_OR_RETURN(auto surface, MeshSurface::Create(std::move(mesh), context));
 //   MESHFRONT_RETURN_IF_ERROR(surface->ComputeCurvature(context));
 //   MESHFRONT_ASSIGN_OR_RETURN(auto samples, surface->CurvatureSamples(ideal_length, true, context));
@@ -80,6 +81,9 @@ class MeshSurface final : public Surface {
   const FaceAdjacency& adjacency() const { return adjacency_; }
   absl::Span<const Vec3> vertex_normals() const { return normals_; }          // unit, angle-weighted
   absl::Span<const double> vertex_curvatures() const { return curvatures_; }  // maximum absolute principal curvature
+
+  // Of the whole mesh, as the curvature was fitted with them; null before, and of parts.
+  std::shared_ptr<const VertexRings> vertex_rings() const { return rings_; }
 
   // Starting points. `v` must have a face; `u`, `v` of AtFace are the weights of the face's second and third corner, ≥ 0, u + v ≤ 1.
   SourcePoint AtVertex(VertexId v) const;
@@ -169,6 +173,7 @@ class MeshSurface final : public Surface {
   std::vector<std::array<uint32_t, 3>> whole_opposite_;
   std::vector<Vec3> normals_;
   std::vector<double> curvatures_;
+  std::shared_ptr<const VertexRings> rings_;
   FaceComponents components_;
   std::vector<bool> component_has_boundary_;
   std::vector<double> component_diagonals_, whole_diagonals_;  // the latter empty when nothing was cut, and of no part

@@ -8,6 +8,7 @@
 #include "core/surface/shadow.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "core/surface/face_queue.h"
@@ -20,8 +21,11 @@ using namespace surface_tolerances;
 
 constexpr int Next(int corner) { return corner == 2 ? 0 : corner + 1; }
 
+// Two doubles side by side. Each lane rounds as a scalar does, so pairs change no bit.
+typedef double Pair __attribute__((vector_size(16)));
+
 // A point against the triangle: its weights of the three corners, in the plane, and its height over that.
-struct Over {
+struct alignas(16) Over {
   double weight[3];
   double height;
 };
@@ -29,13 +33,24 @@ struct Over {
 // Where the cover of the triangle is looked at: its weights are those of no place that anything symmetric would have an edge over.
 constexpr double kProbe[3] = {0.3276041, 0.3391573, 0.3332386};
 
+// Which lanes of a comparison hold, a bit each.
+inline uint32_t BitsOf(const decltype(Pair{} < Pair{}) & lanes) {
+#ifdef __SSE2__
+  return static_cast<uint32_t>(__builtin_ia32_movmskpd(std::bit_cast<Pair>(lanes)));
+#else
+  return static_cast<uint32_t>((lanes[0] & 1) | (lanes[1] & 2));
+#endif
+}
+
 // A corner of a face, and what each of its faces asks about it, a bit each.
 struct SeenCorner {
   static constexpr uint32_t kFar = 1;                // from the triangle's plane
   static constexpr uint32_t kBeside = 7u << 1;       // beyond side i by more than what belongs to it
-  static constexpr uint32_t kOffProbe = 0x3fu << 4;  // by weight i lower, and higher, than the probe
+  static constexpr uint32_t kOffProbe = 0x3fu << 4;  // by weight i lower, and not lower, than the probe
+  static constexpr uint32_t kOutside = 7u << 10;     // beyond side i
   Over over;
   uint32_t code;
+  bool IsFarDetail() const { return (code & (kFar | kBeside)) == kFar; }
 };
 // A face that the search has reached, and the places of its corners among those seen.
 struct SeenFace {
@@ -50,13 +65,15 @@ class ShadowFrame {
     const double n2 = SquaredNorm(n);
     is_flat_ = !(n2 > 0);
     if (is_flat_) return;
-    to_second_ = Cross(e2, n) / n2, to_third_ = Cross(n, e1) / n2, normal_ = n / std::sqrt(n2);
+    const Vec3 to_second = Cross(e2, n) / n2, to_third = Cross(n, e1) / n2;
+    normal_ = n / std::sqrt(n2);
+    x_ = Pair{to_second.x, to_third.x}, y_ = Pair{to_second.y, to_third.y}, z_ = Pair{to_second.z, to_third.z};
   }
   bool is_flat() const { return is_flat_; }
   Over At(const Vec3& p) const {
     const Vec3 d = p - origin_;
-    const double v = Dot(d, to_second_), w = Dot(d, to_third_);
-    return {{1 - v - w, v, w}, Dot(d, normal_)};
+    const Pair vw = d.x * x_ + d.y * y_ + d.z * z_;
+    return {{1 - vw[0] - vw[1], vw[0], vw[1]}, Dot(d, normal_)};
   }
   const Vec3& normal() const { return normal_; }
   Vec3 PlaceOf(const double (&weight)[3]) const {
@@ -65,7 +82,8 @@ class ShadowFrame {
 
  private:
   std::array<Vec3, 3> corners_;
-  Vec3 origin_, to_second_, to_third_, normal_;
+  Vec3 origin_, normal_;
+  Pair x_, y_, z_;  // what to multiply with for the weights of the second and the third corner
   bool is_flat_ = false;
 };
 
@@ -154,18 +172,26 @@ class ShadowCaster {
  private:
   void See(const Vec3& corner) {
     const Over over = frame_.At(corner);
-    uint32_t code = std::abs(over.height) > bound_ ? SeenCorner::kFar : 0;
-    for (int i = 0; i < 3; ++i) {
-      code |= static_cast<uint32_t>(over.weight[i] < -beside_) << (1 + i);
-      code |= static_cast<uint32_t>(over.weight[i] < kProbe[i]) << (4 + i);
-      code |= static_cast<uint32_t>(over.weight[i] > kProbe[i]) << (7 + i);
-    }
-    scratch_.corners.push_back({over, code});
+    const Pair first{over.weight[0], over.weight[1]}, second{over.weight[2], over.height};
+    // Bit i: whether weight i is below limit i; the height never is.
+    const auto below = [&](double x, double y, double z) {
+      return BitsOf(first < Pair{x, y}) | BitsOf(second < Pair{z, -INFINITY}) << 2;
+    };
+    const auto is_far = static_cast<uint32_t>(std::abs(over.height) > bound_);
+    const uint32_t below_probe = below(kProbe[0], kProbe[1], kProbe[2]);
+    static_assert(SeenCorner::kFar == 1 && SeenCorner::kBeside == 7u << 1 && SeenCorner::kOffProbe == 0x3fu << 4 &&
+                  SeenCorner::kOutside == 7u << 10);
+    scratch_.corners.push_back({over, is_far | below(-beside_, -beside_, -beside_) << 1 | below_probe << 4 |
+                                          (7 - below_probe) << 7 | below(0, 0, 0) << 10});
   }
   void LookAt(const SeenFace at) {
     const SeenCorner* const seen = scratch_.corners.data();
     const uint32_t code[3] = {seen[at.corner[0]].code, seen[at.corner[1]].code, seen[at.corner[2]].code};
-    const bool is_far = ((code[0] | code[1] | code[2]) & SeenCorner::kFar) != 0;
+    // What lies beyond one side has nothing over the triangle but corners that belong to it.
+    const bool is_far =
+        ((code[0] | code[1] | code[2]) & SeenCorner::kFar) != 0 &&
+        ((code[0] & code[1] & code[2] & SeenCorner::kOutside) == 0 || seen[at.corner[0]].IsFarDetail() ||
+         seen[at.corner[1]].IsFarDetail() || seen[at.corner[2]].IsFarDetail());
     const bool may_cover = (code[0] & code[1] & code[2] & SeenCorner::kOffProbe) == 0;
     if (is_far || may_cover) {
       const Over corners[3] = {seen[at.corner[0]].over, seen[at.corner[1]].over, seen[at.corner[2]].over};

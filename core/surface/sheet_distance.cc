@@ -167,14 +167,13 @@ absl::StatusOr<std::vector<double>> MeasureSheetDistances(const TriangleMesh& me
       if (rays[v] != 0) distances[v] = SheetDistance(sheets, static_cast<uint32_t>(v), limits[v], rays[v], queue);
     }
   }));
-  MESHFRONT_RETURN_IF_ERROR(ParallelFor(distances.size(), kGrain, context, [&](size_t begin, size_t end) {
-    for (size_t v = begin; v < end; ++v) {
-      if (is_probe[v]) continue;
-      VisitNear(mesh, adjacency, static_cast<uint32_t>(v), INFINITY, [&](uint32_t neighbour) {
-        if (is_probe[neighbour]) distances[v] = std::min(distances[v], distances[neighbour]);
-      });
-    }
-  }));
+  // To what lies beside a probe, from the few that met another sheet.
+  for (uint32_t v = 0; v < distances.size(); ++v) {
+    if (!is_probe[v] || std::isinf(distances[v])) continue;
+    VisitNear(mesh, adjacency, v, INFINITY, [&](uint32_t neighbour) {
+      if (!is_probe[neighbour]) distances[neighbour] = std::min(distances[neighbour], distances[v]);
+    });
+  }
   return distances;
 }
 

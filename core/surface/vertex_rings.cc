@@ -36,7 +36,7 @@ absl::StatusOr<VertexRings> CreateVertexRings(const TriangleMesh& mesh, const Fa
       uint32_t at = rings.begin[v], i = 0;
       const uint32_t stride = degrees[v] > 0 ? StrideOf(degrees[v]) : 1;
       VisitNeighbours(mesh, adjacency, static_cast<uint32_t>(v), [&](VertexId neighbour) {
-        if (i++ % stride == 0) rings.neighbours[at++] = neighbour.index();
+        if (stride == 1 || i++ % stride == 0) rings.neighbours[at++] = neighbour.index();
       });
     }
   }));
@@ -67,14 +67,18 @@ bool RingCollector::Grow(const VertexRings& rings) {
   const uint32_t* const begins = rings.begin.data();
   const uint32_t generation = generation_;
   size_t count = end;
+  const auto meet = [&](uint32_t v) {
+    vertices[count] = v;
+    count += seen[v] < generation;  // or equal
+    seen[v] = generation;
+  };
   for (uint32_t i = begin; i < end && count < kCapacity; ++i) {
-    const uint32_t last = begins[vertices[i] + 1];
-    for (uint32_t k = begins[vertices[i]]; k < last; ++k) {
-      const uint32_t v = neighbours[k];
-      vertices[count] = v;
-      count += seen[v] < generation;  // or equal
-      seen[v] = generation;
+    const uint32_t *ring = neighbours + begins[vertices[i]], *const last = neighbours + begins[vertices[i] + 1];
+    if (last - ring == 6) {  // as most are
+      meet(ring[0]), meet(ring[1]), meet(ring[2]), meet(ring[3]), meet(ring[4]), meet(ring[5]);
+      continue;
     }
+    for (; ring != last; ++ring) meet(*ring);
   }
   count_ = static_cast<uint32_t>(std::min<size_t>(count, kCapacity));
   ring_begin_[ring_ + 1] = count_;

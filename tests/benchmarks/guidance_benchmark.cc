@@ -75,5 +75,32 @@ BENCHMARK(BM_At)
     ->Args({134000, 0, 1})
     ->Args({134000, 1, 0});
 
+// The same in runs of `run` places, each around the first of them; an item is a place.
+void BM_AtInPatches(benchmark::State& state) {
+  const std::vector<SizingSample> points = BumpySphere(state.range(0));
+  const GuidanceField field = FieldOf(points);
+  const size_t run = static_cast<size_t>(state.range(1));
+  FieldPatch patch(field);
+  size_t i = 0;
+  for (auto _ : state) {
+    const Vec3& center = points[i].position;
+    patch.Cover(center, Distance(center, points[i + run - 1].position), field.options().max_length);
+    for (size_t k = 0; k < run; ++k) benchmark::DoNotOptimize(patch.At(points[i + k].position));
+    i = i + 2 * run > points.size() ? 0 : i + run;
+  }
+  state.SetItemsProcessed(state.iterations() * static_cast<int64_t>(run));
+}
+BENCHMARK(BM_AtInPatches)->ArgNames({"samples", "run"})->Args({35000, 4})->Args({134000, 4})->Args({134000, 8});
+
+// Other lengths for the samples of a field, as a search for a count asks for them.
+void BM_WithLengths(benchmark::State& state) {
+  const GuidanceField field = FieldOf(BumpySphere(state.range(0)));
+  std::vector<double> lengths;
+  for (const SizingSample& s : field.kept_samples()) lengths.push_back(1.1 * s.ideal_length);
+  for (auto _ : state) benchmark::DoNotOptimize(field.WithLengths(lengths, 1).kept_samples().data());
+  state.SetItemsProcessed(state.iterations() * static_cast<int64_t>(lengths.size()));
+}
+BENCHMARK(BM_WithLengths)->ArgName("samples")->Arg(35000)->Arg(134000);
+
 }  // namespace
 }  // namespace meshfront

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "core/guidance/sizing.h"
+#include "core/surface/curvature_average.h"
 #include "core/surface/curvature_fit.h"
 #include "core/surface/mesh_surface.h"
 #include "core/surface/vertex_normals.h"
@@ -45,6 +46,17 @@ void BM_Curvature(benchmark::State& state) {
   PerVertex(state);
 }
 BENCHMARK(BM_Curvature)->Unit(benchmark::kMillisecond);
+
+// Argument: edges of the mesh to come, in mean input edges; the more, the more passes.
+void BM_CurvatureAverage(benchmark::State& state) {
+  const double length = static_cast<double>(state.range(0)) * MeanEdge();
+  for (auto _ : state) {
+    auto average = *CurvatureAverage::Create(Surface(), Context{});
+    benchmark::DoNotOptimize(average.ForEdges([&](double) { return length; }, 1, Context{}));
+  }
+  PerVertex(state);
+}
+BENCHMARK(BM_CurvatureAverage)->Arg(2)->Arg(5)->Unit(benchmark::kMillisecond);
 
 // Argument: with thickness.
 void BM_Samples(benchmark::State& state) {

@@ -83,6 +83,33 @@ TEST(Refinement, PutsAVertexOnARimButNotOnACreaseThatTwoPatchesShare) {
   }
 }
 
+// One triangle over a sphere's cap, off by much more than the bound.
+TEST(Refinement, EnclosesADeviationToATwentiethUnlessSomethingLargerIsKnown) {
+  const SphereSurface sphere;
+  FrontSet fronts;
+  std::vector<WindowVertexId> v;
+  for (int i = 0; i < 3; ++i) {
+    const double angle = -2 * std::numbers::pi / 3 * i;
+    v.push_back(fronts.AddVertex(sphere.Project({0.6 * std::cos(angle), 0.6 * std::sin(angle), 0.8}, 0), 1, 1));
+  }
+  const FrontEdgeId e = fronts.AddLoop(v);
+  fronts.Connect(e, fronts.at(e).prev, TriangleKind::kClosing);
+  const WindowTriangleId t = LiveTriangles(fronts)[0];
+  Refinement refinement(sphere, fronts, 0.005, 0, 0, true);
+  const auto enclosed = [&](double known) {
+    fronts.at(t).deviation = 0.01;
+    refinement.Enclose(t, known);
+    return fronts.at(t).deviation;
+  };
+  const double within = enclosed(0);  // 1 − cos 37° = 0.2
+  EXPECT_GE(within, 0.2);
+  EXPECT_LE(within, 0.2 * 1.05 * 1.05);
+  EXPECT_EQ(enclosed(0.1), within);
+  EXPECT_EQ(enclosed(within), within);
+  EXPECT_GT(enclosed(0.5), within);  // is not told apart from what is known …
+  EXPECT_LE(enclosed(0.5), 0.5);     // … but never counts as more
+}
+
 TEST(Refinement, MovesNoVertexOutOfTheBound) {
   const SphereSurface sphere;
   FrontSet fronts;

@@ -140,6 +140,47 @@ TEST_P(GuidanceFieldProperty, AnUpperBoundChangesNoBit) {
   }
 }
 
+// Balls from a thousandth of g to three times g, among the samples and away from them.
+TEST_P(GuidanceFieldProperty, APatchHasTheValuesOfTheFieldInEveryBit) {
+  for (const auto& samples : Inputs()) {
+    for (const GuidanceOptions& options : {Options(), GuidanceOptions{GetParam(), 0.01, 0.3}}) {
+      const GuidanceField field = FieldOf(samples, options);
+      FieldPatch patch(field);
+      std::mt19937_64 random(11);
+      for (int i = 0; i < 400; ++i) {
+        const Vec3 center = i % 2 ? RandomPoint(random, 1.3) : samples[i % samples.size()].position;
+        const double radius = field.At(center) * (i % 3 == 0 ? 0.001 : i % 3 == 1 ? 0.5 : 3);
+        patch.Cover(center, radius, i % 5 == 0 ? options.max_length : field.At(center));
+        for (int k = 0; k < 20; ++k) {
+          const Vec3 x = center + radius * Normalized(RandomPoint(random, 1));
+          ASSERT_EQ(patch.At(x), field.At(x));
+        }
+        ASSERT_EQ(patch.At(center), field.At(center));
+      }
+    }
+  }
+}
+
+TEST_P(GuidanceFieldProperty, WithOtherLengthsIsTheFieldOfThoseInEveryBit) {
+  for (const auto& samples : Inputs()) {
+    const GuidanceField field = FieldOf(samples, Options());
+    std::vector<SizingSample> changed(field.kept_samples().begin(), field.kept_samples().end());
+    std::vector<double> lengths;
+    for (size_t i = 0; i < changed.size(); ++i) {
+      changed[i].ideal_length *= i % 7 == 0 ? 0.3 : 1.7;
+      lengths.push_back(changed[i].ideal_length);
+    }
+    const GuidanceOptions options{GetParam(), 0, 0.8};
+    const GuidanceField other = field.WithLengths(lengths, options.max_length);
+    std::mt19937_64 random(12);
+    for (int i = 0; i < 1000; ++i) {
+      const Vec3 x = RandomPoint(random, 1.3);
+      ASSERT_EQ(other.At(x), BruteForce(changed, x, options));
+      ASSERT_EQ(field.At(x), BruteForce(field.kept_samples(), x, Options()));  // is left as it was
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Eta, GuidanceFieldProperty, ::testing::Values(1.01, 1.2, 1.9));
 
 TEST(GuidanceField, IsTheIdealLengthOneEdgeAwayFromALoneSample) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <memory>
 #include <numeric>
 #include <vector>
 
@@ -49,6 +50,23 @@ TEST(CurvatureAverage, KeepsTheOwnWhereThereAreAsManyTriangles) {
   const auto surface = testing::SurfaceOf(RoughSphere());
   const std::vector<double> averaged = Averaged(*surface, 0.03);
   for (size_t v = 0; v < averaged.size(); ++v) EXPECT_EQ(averaged[v], surface->vertex_curvatures()[v]);
+}
+
+// The surface keeps the rings that it was fitted with; they are not looked for twice.
+TEST(CurvatureAverage, TakesTheRingsOfTheSurface) {
+  const TriangleMesh mesh = testing::Icosphere(3);
+  auto surface = *MeshSurface::Create(mesh, Context{});
+  EXPECT_EQ(surface->vertex_rings(), nullptr);
+  ASSERT_TRUE(surface->ComputeCurvature(Context{}).ok());
+  const std::shared_ptr<const VertexRings> rings = surface->vertex_rings();
+  ASSERT_NE(rings, nullptr);
+  const VertexRings expected = *CreateVertexRings(surface->mesh(), surface->adjacency(), Context{});
+  EXPECT_EQ(rings->begin, expected.begin);
+  EXPECT_EQ(rings->neighbours, expected.neighbours);
+  const long before = rings.use_count();
+  const auto average = CurvatureAverage::Create(*surface, Context{});
+  ASSERT_TRUE(average.ok());
+  EXPECT_EQ(rings.use_count(), before + 1);
 }
 
 // A search for a count needs that: passes are whole, the wish for them is not.
