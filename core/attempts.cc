@@ -25,6 +25,7 @@
 #include "core/loose_faces.h"
 #include "core/mesh/self_intersection.h"
 #include "core/own_faces.h"
+#include "core/thinned_attempt.h"
 #include "core/uncovered_samples.h"
 
 namespace meshfront {
@@ -41,6 +42,8 @@ constexpr uint64_t kHeldTriangles = 1 << 19;
 constexpr uint64_t kHeldPerFace = 8;  // of the input, where those are more: it takes more memory than they do
 // Where there are rims at all, or a number up to this is wanted: not much more than what the settling window keeps before it lets go of any.
 constexpr uint64_t kHeldInAnyCase = 6000;
+// Of the vertices; of scans it is 0.001 at most.
+constexpr double kManyTooClose = 0.02;
 constexpr int kMaxAttempts = 7, kMaxForCount = 4;
 // Of a point set, no faces can be cut loose. What helps where shorter edges don't are wider supports: where samples lie unevenly or in a
 // cloud, those of four spacings see too few, and the surface has bumps or ends where there is none.
@@ -67,6 +70,9 @@ constexpr size_t kMostFaults = 1000;
 // Of a region, whose faces around faults may also stay as they are: triangles of all attempts beyond which none follows one that has hardly
 // fewer faults.
 constexpr uint64_t kMostTriedOfRegion = 50000;
+// How many more triangles the next front is to make where one found no way, of so few; and off by how much the count of one is for which
+// another one is tried before some are taken out.
+constexpr double kMoreForFaults = 1.6, kWorthAnotherFront = 0.25;
 constexpr int kFinerAttempts = 3;  // before faces are cut loose; none on rough ground
 // How far around faults faces are cut loose, in parts of g; twice as far each time.
 constexpr double kLooseReach = 3;
@@ -96,13 +102,19 @@ uint64_t MostCandidates(const Preparation& p, double samples_seen) {
   return static_cast<uint64_t>(std::max(left, kCandidatesPerTriangle * std::min(p.predicted_triangles, 1e15)));
 }
 
-// `passes_sharp_edges`: there are some, and no creases. `samples_seen`: by the attempts before.
-FrontOptions FrontOptionsOf(const Preparation& p, bool passes_sharp_edges, double samples_seen) {
+struct AttemptOptions {
+  bool is_small = false;            // see IsSmall
+  bool looks_closely = false;       // for intersections
+  bool passes_sharp_edges = false;  // there are some, and no creases
+  double samples_seen = 0;          // by the attempts before
+};
+
+FrontOptions FrontOptionsOf(const Preparation& p, const AttemptOptions& attempt) {
   const RemeshOptions& o = p.parameters.options;
   const auto predicted = static_cast<uint64_t>(std::min(p.predicted_triangles, 1e18));
   const uint64_t beyond = p.points ? kMaxBeyondForPoints : kMaxBeyondPredicted;
-  const uint64_t most =
-      passes_sharp_edges ? predicted + predicted / 2 + kMaxBeyondWithoutCreases : kMaxPerPredicted * predicted + beyond;
+  const uint64_t most = attempt.passes_sharp_edges ? predicted + predicted / 2 + kMaxBeyondWithoutCreases
+                                                   : kMaxPerPredicted * predicted + beyond;
   return {.flips = o.flips,
           .smooth = o.smooth,
           .fit = o.fit,
@@ -111,12 +123,12 @@ FrontOptions FrontOptionsOf(const Preparation& p, bool passes_sharp_edges, doubl
           .predicted_triangles = predicted,
           .max_triangles = most,
           .max_roll_backs = p.points ? kMaxRollBacksForPoints : std::numeric_limits<uint64_t>::max(),
-          .max_candidates = p.points ? MostCandidates(p, samples_seen) : std::numeric_limits<uint64_t>::max(),
+          .max_candidates = p.points ? MostCandidates(p, attempt.samples_seen) : std::numeric_limits<uint64_t>::max(),
           .sweep = LongestAxis(p.Box()),
           .max_error = o.sizing == Sizing::kError ? p.parameter : std::numeric_limits<double>::infinity(),
           .max_insertions = p.parameters.target_triangles > 0 ? kInsertionsForCount * p.predicted_triangles
                                                               : std::numeric_limits<double>::infinity(),
-          .wedges = !p.attributes.empty()};
+          .wedges = !p.attributes.empty() || (attempt.is_small && p.parameters.target_triangles > 0)};
 }
 
 // Of an input that was no surface: what repair made of it may be as thin and as folded as no scan is.
@@ -127,22 +139,18 @@ bool WasSoup(const Preparation& p) {
   });
 }
 
+// So few are predicted that all are held, compared, and made again where they are wrong.
+bool IsSmall(const Preparation& p) { return p.predicted_triangles <= static_cast<double>(kHeldInAnyCase); }
+
+// Shells closer to each other than their input's edges are long: no front keeps apart all over what those keep.
+bool HasSheetsTooClose(const Preparation& p) { return !p.points && p.builder->ShareTooClose() > kManyTooClose; }
+
 uint64_t HeldLimit(const Preparation& p, bool may_fail) {
   if (p.region) return std::numeric_limits<uint64_t>::max();  // what is close to the rest can only be seen so
   if (p.points) return kHeldTriangles;
   if (may_fail) return std::max(kHeldTriangles, kHeldPerFace * p.surface->mesh().triangles.size());
-  const uint64_t wanted = p.parameters.target_triangles;
-  const uint64_t for_count = wanted <= kHeldInAnyCase ? wanted + wanted / 2 : 0;
-  return p.loops.empty() ? for_count : std::max(for_count, kHeldInAnyCase);
-}
-
-TriangleMesh MeshOf(const std::vector<HeldPiece>& pieces) {
-  TriangleMesh mesh;
-  for (const HeldPiece& piece : pieces) {
-    for (const OutputVertex& v : piece.vertices) mesh.positions.push_back(v.position);
-    mesh.triangles.insert(mesh.triangles.end(), piece.triangles.begin(), piece.triangles.end());
-  }
-  return mesh;
+  if (IsSmall(p)) return std::numeric_limits<uint64_t>::max();  // as many as the front may make
+  return p.loops.empty() ? 0 : kHeldInAnyCase;
 }
 
 std::array<Vec3, 3> CornersOf(const TriangleMesh& mesh, const Triangle& t) {
@@ -187,13 +195,13 @@ void NameWholeComponents(const MeshSurface& surface, std::vector<HeldPiece>& pie
   }
 }
 
-absl::StatusOr<Attempt> MakeAttempt(const Preparation& p, bool looks_closely, bool passes_sharp_edges,
-                                    double samples_seen, HoldingSink& held, const Context& context) {
-  const FrontOptions options = FrontOptionsOf(p, passes_sharp_edges, samples_seen);
+absl::StatusOr<Attempt> MakeAttempt(const Preparation& p, const AttemptOptions& how, HoldingSink& held,
+                                    const Context& context) {
+  const FrontOptions options = FrontOptionsOf(p, how);
   Attempt attempt;
   MESHFRONT_ASSIGN_OR_RETURN(attempt.front,
                              AdvanceFront(p.any_surface(), *p.field, p.loops, p.seeds, options, held, context));
-  attempt.samples_seen = samples_seen;
+  attempt.samples_seen = how.samples_seen;
   if (p.points) {
     double looks = kSettlingPerTriangle * static_cast<double>(attempt.front.triangles);
     for (const auto& verdict : attempt.front.refusals) looks += static_cast<double>(verdict.second);
@@ -215,21 +223,21 @@ absl::StatusOr<Attempt> MakeAttempt(const Preparation& p, bool looks_closely, bo
   const TriangleMesh mesh = MeshOf(attempt.pieces);
   attempt.bound =
       std::isfinite(options.max_error) ? options.max_error : options.bound_per_length * attempt.front.longest_edge;
-  if (p.points || p.builder->HasCloseSheets() || looks_closely)
+  if (p.points || p.builder->HasCloseSheets() || how.looks_closely)
     MESHFRONT_RETURN_IF_ERROR(FindIntersections(mesh, p, attempt.bound, attempt, context));
   FindFlatTriangles(mesh, attempt);
   if (p.points) attempt.uncovered = FindUncovered(*p.points, mesh);
+  if (how.is_small && !p.points && !p.region) attempt.missed = FindMissed(*p.surface, *p.field, mesh);
   return attempt;
 }
 
-// By how much of what is wanted the number of triangles is off; 0 where none is wanted.
-double CountErrorOf(const Attempt& attempt, uint64_t wanted) {
-  if (wanted == 0) return 0;
-  return std::abs(static_cast<double>(attempt.front.triangles) / static_cast<double>(wanted) - 1);
-}
-
-bool IsBetter(const Attempt& attempt, const Attempt& best, uint64_t wanted) {
+// `is_thinned`: where there are too many some are taken out.
+bool IsBetter(const Attempt& attempt, const Attempt& best, uint64_t wanted, bool is_thinned) {
   if (attempt.fault_count() != best.fault_count()) return attempt.fault_count() < best.fault_count();
+  const auto has_too_few = [&](const Attempt& a) {
+    return a.front.triangles < wanted && CountErrorOf(a, wanted) > kCountPromise;
+  };
+  if (is_thinned && has_too_few(attempt) != has_too_few(best)) return has_too_few(best);
   return CountErrorOf(attempt, wanted) < CountErrorOf(best, wanted);
 }
 
@@ -249,25 +257,18 @@ void GradeGently(Preparation& p) {
 
 // What is still wrong is not handed on where the input's own faces may be.
 absl::Status PutOwnFacesIn(const Preparation& p, Attempt& best, const Context& context) {
-  MESHFRONT_ASSIGN_OR_RETURN(PartlyOwn mixed, PutOwnFacesIn(best.pieces, *p.surface, best.bound, kFlatRatio, context));
+  MESHFRONT_ASSIGN_OR_RETURN(
+      PartlyOwn mixed, PutOwnFacesIn(best.pieces, *p.surface,
+                                     {best.missed.components, best.bound, kFlatRatio, p.attributes.empty()}, context));
   best.pieces = std::move(mixed.pieces);
   best.own_components = mixed.components;
   best.own_faces = mixed.faces;
+  best.missed = {};
   best.intersections.clear();
   best.flat_triangles.clear();
   best.has_other_topology = false;
-  FrontReport& front = best.front;
-  front.open_places.clear();
-  front.vertices = mixed.topology.vertices;
-  front.triangles = mixed.topology.triangles;
-  front.free_triangles = mixed.by_kind[0];
-  front.connection_triangles = mixed.by_kind[1];
-  front.closing_triangles = mixed.by_kind[2];
-  front.components = mixed.topology.components;
-  front.boundary_edges = mixed.topology.boundary_edges;
-  front.boundary_loops = mixed.topology.boundary_loops;
-  front.pinched_vertices = 0;
-  front.quality = mixed.quality;
+  best.front.open_places.clear();
+  Describe(mixed.topology, mixed.quality, mixed.by_kind, best.front);
   return absl::OkStatus();
 }
 
@@ -275,7 +276,8 @@ absl::Status PutOwnFacesIn(const Preparation& p, Attempt& best, const Context& c
 // rims and creases that lie close to something. Not where an edge must be longer than the input's: those faults stay.
 class Remedy {
  public:
-  explicit Remedy(const Preparation& p) : may_keep_creases_(!p.points && !p.parameters.options.crease_angle) {}
+  Remedy(const Preparation& p, bool is_small)
+      : is_small_(is_small), may_keep_creases_(!p.points && !p.parameters.options.crease_angle) {}
 
   bool may_keep_creases() const { return may_keep_creases_; }
   bool keeps_creases() const { return keeps_creases_; }
@@ -290,6 +292,7 @@ class Remedy {
                                  CutAlongCreases(kCreaseAngleOfNeed * std::numbers::pi / 180, p, context));
       if (keeps_creases_) return IsPrepared({}, count, p, context);
     }
+    if (count && is_faulty && is_small_) return MakeMore(places, p, context);
     if (places.size() > kMostFaults || last.has_other_topology) {
       if (p.parameters.options.eta <= kGentleEta) return false;
       GradeGently(p);
@@ -323,6 +326,14 @@ class Remedy {
     return wider;
   }
 
+  // So few triangles were wanted that the front found no way everywhere. In turn: shorter edges at the faults, for the parameter that
+  // makes them; and more triangles, of which some are taken out again afterwards.
+  absl::StatusOr<bool> MakeMore(const std::vector<Vec3>& places, Preparation& p, const Context& context) {
+    const bool is_finer = !places.empty() && places.size() <= kMostFaultsAtPlaces && finer_++ % 2 == 0;
+    if (is_finer) return IsPrepared(places, std::nullopt, p, context);
+    return IsPrepared({}, static_cast<uint64_t>(kMoreForFaults * p.predicted_triangles) + 1, p, context);
+  }
+
   // Not where so few triangles, or so many, can't be made.
   static absl::StatusOr<bool> IsPrepared(absl::Span<const Vec3> finer_at, std::optional<uint64_t> count, Preparation& p,
                                          const Context& context) {
@@ -332,7 +343,7 @@ class Remedy {
     return true;
   }
 
-  bool may_keep_creases_, keeps_creases_ = false;
+  bool is_small_, may_keep_creases_, keeps_creases_ = false;
   int finer_ = 0, wider_ = 0;  // attempts with shorter edges, and with wider supports around faults
   double reach_ = kLooseReach;
   double fewest_faults_ = std::numeric_limits<double>::infinity();
@@ -351,6 +362,7 @@ std::vector<Vec3> Attempt::Faults() const {
   places.insert(places.end(), intersections.begin(), intersections.end());
   places.insert(places.end(), flat_triangles.begin(), flat_triangles.end());
   places.insert(places.end(), lost_places.begin(), lost_places.end());
+  places.insert(places.end(), missed.places.begin(), missed.places.end());
   return places;
 }
 
@@ -383,23 +395,30 @@ absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& p, MeshSink& sink, const 
   }
   const Ground ground = p.points ? Ground{} : GroundOf(*p.surface, *p.field);
   const bool is_rough = ground.is_rough;
-  HoldingSink held(sink, HeldLimit(p, is_close || is_rough || ground.folds_back || WasSoup(p)));
+  HoldingSink held(sink, HeldLimit(p, is_close || is_rough || ground.folds_back || WasSoup(p) || HasSheetsTooClose(p)));
   const uint64_t wanted = p.parameters.target_triangles;
   Attempt best;
   double samples_seen = 0;
-  Remedy remedy(p);
+  const bool is_small = IsSmall(p) && !p.region;
+  const bool is_thinned = is_small && wanted > 0;
+  Remedy remedy(p, is_small);
   uint64_t tried = 0;  // triangles
   for (int number = 1;; ++number) {
-    MESHFRONT_ASSIGN_OR_RETURN(Attempt attempt,
-                               MakeAttempt(p, is_rough || p.region || number > 1, is_rough && remedy.may_keep_creases(),
-                                           samples_seen, held, context));
+    MESHFRONT_ASSIGN_OR_RETURN(Attempt attempt, MakeAttempt(p,
+                                                            {is_small, is_rough || p.region || number > 1 || is_small,
+                                                             is_rough && remedy.may_keep_creases(), samples_seen},
+                                                            held, context));
     samples_seen = attempt.samples_seen;
     attempt.keeps_creases = remedy.keeps_creases();
     if (held.is_passing()) return attempt;
     tried += attempt.front.triangles;
     held.HoldAll();  // the next may be larger, and worse: at most what max_triangles allows
     const bool is_off = CountErrorOf(attempt, wanted) > kCountPromise;
-    const bool is_good = attempt.fault_count() == 0 && (!is_off || number >= kMaxForCount);
+    const bool is_thinned_now =
+        is_thinned && HasTooMany(attempt, wanted) && CountErrorOf(attempt, wanted) > kWorthAnotherFront;
+    const bool is_as_near_as_can_be =
+        !is_off || is_thinned_now || (p.is_least_count && attempt.front.triangles > wanted);
+    const bool is_good = attempt.fault_count() == 0 && (is_as_near_as_can_be || number >= kMaxForCount);
     bool goes_on = !is_good && (attempt.front.triangles > 0 || p.points) &&
                    number < (p.points ? std::min(kMaxForPoints, p.most_attempts) : kMaxAttempts);
     const double work = static_cast<double>(attempt.front.roll_backs) * static_cast<double>(attempt.front.triangles);
@@ -410,11 +429,15 @@ absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& p, MeshSink& sink, const 
       MESHFRONT_ASSIGN_OR_RETURN(goes_on, remedy.Apply(attempt, attempt.Faults(), is_rough || work > kMostWorkForFiner,
                                                        NextCount(p, attempt, wanted), p, context));
     }
-    if (number == 1 || IsBetter(attempt, best, wanted)) best = std::move(attempt);
+    if (number == 1 || IsBetter(attempt, best, wanted, is_thinned)) best = std::move(attempt);
     if (!goes_on) break;
   }
   if (best.fault_count() > 0 && best.front.triangles > 0 && !p.parameters.options.min_edge && !p.region && !p.points)
     MESHFRONT_RETURN_IF_ERROR(PutOwnFacesIn(p, best, context));
+  if (is_thinned && HasTooMany(best, wanted)) MESHFRONT_RETURN_IF_ERROR(ThinToCount(wanted, best, context));
+  if (p.attributes.empty()) {
+    for (HeldPiece& piece : best.pieces) piece.wedges.clear(), piece.corners.clear(), piece.faces.clear();
+  }
   for (const SourcePoint& place : best.uncovered) best.front.open_places.push_back(place.position);
   held.PutBack(std::exchange(best.pieces, {}));
   MESHFRONT_RETURN_IF_ERROR(held.Release());

@@ -4,7 +4,8 @@
 // BuildForCount: 1. a field at the parameter that the curvature alone suggests (FirstGuess), without thickness (Sketch); 2. with its
 // samples and a part of the faces a secant on (log parameter, log count), which the paper's scaling makes almost a line (FindNear);
 // 3. a field there, and its count over the whole surface; 4. the secant goes on with fields near by, whose counts are compared on
-// the part (BuildNear). Where the parameter's range ends with too many triangles, detail below a growing size is left out.
+// the part (BuildNear). Where the parameter's range ends with too many triangles, detail below a growing size is left out; where it
+// ends with too few, as on flat parts, whose curvature asks for nothing, edges are kept below a falling length.
 // Rejected: bisection, which builds ten fields for the same.
 #include "core/field_builder.h"
 
@@ -47,6 +48,7 @@ constexpr double kProbeTolerance = 0.01;  // counts on a part of the faces are o
 constexpr size_t kProbeFaces = 4096, kCheckedProbePieces = 1024;
 constexpr double kNear = 0.15;  // of a count: so near, counts on a part of the faces tell how those on all change
 constexpr double kErrorCountFactor = 1.01, kRefinedPerLeftOut = 0.1, kMostLeftOut = 0.1;
+constexpr double kDetailPerEvenLength = 0.75;  // where a search for it begins
 constexpr double kThicknessHeadroom = 1.2;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -92,8 +94,17 @@ FieldBuilder::FieldBuilder(const MeshSurface& surface, const SizingLimits& limit
 
 // g where nothing else makes it smaller.
 double FieldBuilder::LongestGuidance() const {
-  if (limits_.sizing != Sizing::kUniform) return limits_.max_edge;
+  if (limits_.sizing != Sizing::kUniform)
+    return longest_edge_ > 0 ? std::clamp(longest_edge_, limits_.min_edge, limits_.max_edge) : limits_.max_edge;
   return std::clamp(parameter_ / kMedianEdgePerGuidance, limits_.min_edge, limits_.max_edge);
+}
+
+// What of a curvature edges follow. For a count at constant error none of a radius below that error: l stays at √3 ε, so that every
+// count has its error. With √3/κ instead, few triangles would take an error as large as the whole, and still follow each wrinkle.
+double FieldBuilder::SeenCurvature(double max_curvature) const {
+  if (detail_ > 0) max_curvature = std::min(max_curvature, std::sqrt(3.0) / detail_);
+  if (limits_.sizing == Sizing::kError && is_counting_) max_curvature = std::min(max_curvature, 1 / parameter_);
+  return max_curvature;
 }
 
 // Before thickness and clamps.
@@ -103,7 +114,7 @@ double FieldBuilder::WantedLengthAt(double max_curvature) const {
     case Sizing::kThickness:  // before the thickness
       return IdealLength(parameter_, max_curvature);
     case Sizing::kError:
-      return LengthForError(parameter_, max_curvature);
+      return LengthForError(parameter_, SeenCurvature(max_curvature));
     case Sizing::kUniform:
       break;
   }
@@ -124,8 +135,8 @@ double FieldBuilder::LengthForSheet(const CurvatureSample& place) const {
   if (!std::isfinite(place.sheet_distance)) return kInfinity;
   if (limits_.sizing == Sizing::kThickness) return LengthForThickness(place.sheet_distance);
   if (!place.is_vertex()) return kInfinity;
-  const double curvature = detail_ > 0 ? std::min(place.max_curvature, std::sqrt(3.0) / detail_) : place.max_curvature;
-  const double length = LengthForError(kErrorPerSheetDistance * place.sheet_distance, curvature);
+  const double length =
+      LengthForError(kErrorPerSheetDistance * place.sheet_distance, SeenCurvature(place.max_curvature));
   return std::max(length, kLeastPerInputEdge * place.input_edge);
 }
 
@@ -225,7 +236,7 @@ double FieldBuilder::CountBesideWidths(const GuidanceField& field) const {
   return count;
 }
 
-absl::StatusOr<std::vector<SizingSample>> FieldBuilder::Samples(uint64_t& clamped, const Context& context) const {
+absl::StatusOr<std::vector<SizingSample>> FieldBuilder::Samples(uint64_t& clamped, const Context& context) {
   const auto ideal_length = [&](double max_curvature) { return IdealLengthAt(max_curvature); };
   std::vector<double> lengths;
   for (const double curvature : curvatures_) lengths.push_back(IdealLengthAt(curvature));
@@ -236,15 +247,20 @@ absl::StatusOr<std::vector<SizingSample>> FieldBuilder::Samples(uint64_t& clampe
   const bool uniform = limits_.sizing == Sizing::kUniform;
   std::vector<SizingSample> samples;
   samples.reserve(uniform ? 0 : places.size());
+  size_t too_close = 0;
   for (size_t i = 0; i < places.size(); ++i) {
     const CurvatureSample& place = places[i];
     const double wanted = LengthAt(place.max_curvature);
-    double length = std::min(wanted, LengthForSheet(place));
+    const double for_sheet = LengthForSheet(place);
+    too_close += std::isfinite(for_sheet) && for_sheet <= kLeastPerInputEdge * place.input_edge;
+    double length = std::min(wanted, for_sheet);
     if (i < longest_.size()) length = std::min(length, longest_[i]);
     length = std::clamp(length, limits_.min_edge, uniform ? kInfinity : limits_.max_edge);
     clamped += std::isfinite(wanted) && length != wanted;
     if (!uniform || length < wanted) samples.push_back({place.position, length});
   }
+  share_too_close_ =
+      static_cast<double>(too_close) / static_cast<double>(std::max<size_t>(surface_.mesh().positions.size(), 1));
   MESHFRONT_ASSIGN_OR_RETURN(const std::vector<SizingSample> rim,
                              BoundarySizingSamples(surface_, ideal_length, context));
   samples.insert(samples.end(), rim.begin(), rim.end());
@@ -268,7 +284,7 @@ absl::StatusOr<SizedField> FieldBuilder::BuildField(double parameter, const Cont
   if (limits_.blend != nullptr) {
     MESHFRONT_ASSIGN_OR_RETURN(field, limits_.blend->Apply(field, added_, context));
   }
-  return SizedField{std::move(field), parameter, 0, clamped, detail_};
+  return SizedField{std::move(field), parameter, 0, clamped, detail_, longest_edge_};
 }
 
 absl::StatusOr<SizedField> FieldBuilder::Build(double parameter, const Context& context) {
@@ -352,14 +368,14 @@ double FieldBuilder::FirstGuess(double count) const {
   return std::clamp(guess, 1e-12 * largest, largest);
 }
 
-// Edges of one length everywhere, of the size that the count leaves room for, and a little less.
-double FieldBuilder::FirstDetail(double count) const {
+// Of edges of one length everywhere, for a count.
+double FieldBuilder::EvenLength(double count) const {
   double area = 0;
   for (const Triangle& t : surface_.mesh().triangles) {
     area += TriangleArea(surface_.mesh().PositionAt(t[0]), surface_.mesh().PositionAt(t[1]),
                          surface_.mesh().PositionAt(t[2]));
   }
-  return 0.75 * std::sqrt(4 / std::sqrt(3.0) * area / count);
+  return std::sqrt(4 / std::sqrt(3.0) * area / count);
 }
 
 // A part of the surface, evenly spread, on which counts are compared quickly.
@@ -410,7 +426,7 @@ double FieldBuilder::CurvatureOf(double length, double parameter) const {
 absl::StatusOr<FieldBuilder::Line> FieldBuilder::FindNear(const SizedField& sized, double target,
                                                           const Context& context) {
   const double exponent = ExponentOf(limits_.sizing);
-  Line line{sized.parameter, LargestParameter(limits_), exponent, kGradedPart * exponent, std::nullopt};
+  Line line{sized.parameter, LargestParameter(limits_), exponent, kGradedPart * exponent};
   MESHFRONT_ASSIGN_OR_RETURN(double count, ProbeCount(sized, sized.parameter, context));
   if (!(count > 0)) return line;
   const double wanted = target * count / sized.predicted_triangles;
@@ -453,34 +469,40 @@ absl::StatusOr<SizedField> FieldBuilder::Approach(uint64_t count, const Line& li
 
 absl::StatusOr<SizedField> FieldBuilder::BuildOn(const Line& line, double value, SizedField* near,
                                                  const Context& context) {
-  if (line.detail_at) detail_ = value;
-  const double parameter = line.detail_at.value_or(value);
+  if (line.along == Along::kDetail) detail_ = value;
+  if (line.along == Along::kLongest) longest_edge_ = value;
+  const double parameter = line.along == Along::kParameter ? value : line.parameter;
   return near ? BuildNear(*near, parameter, context) : Build(parameter, context);
 }
 
 absl::StatusOr<SizedField> FieldBuilder::BuildForCount(uint64_t count, const Context& context) {
   headroom_ = kThicknessHeadroom;
   is_counting_ = true;
-  detail_ = 0;
+  detail_ = longest_edge_ = 0;
   const double target = static_cast<double>(count);
   const auto is_reached = [&](const SizedField& sized) {
     return std::abs(sized.predicted_triangles / target - 1) <= kReachable;
   };
   const bool uniform = limits_.sizing == Sizing::kUniform;
   const double exponent = ExponentOf(Sizing::kUniform);
-  Line line{FirstGuess(target), LargestParameter(limits_), exponent, exponent, std::nullopt};
+  Line line{FirstGuess(target), LargestParameter(limits_), exponent, exponent};
   if (!uniform) {
     MESHFRONT_ASSIGN_OR_RETURN(const SizedField sketch, Sketch(line.first, context));
     MESHFRONT_ASSIGN_OR_RETURN(line, FindNear(sketch, target, context));
   }
   MESHFRONT_ASSIGN_OR_RETURN(SizedField sized, Approach(count, line, context));
   if (!is_reached(sized) && sized.predicted_triangles > target && !uniform) {
-    const double first = std::min(FirstDetail(target), limits_.max_edge);
-    const Line detail{first, limits_.max_edge, exponent, kGradedPart * exponent, sized.parameter};
+    const double first = std::min(kDetailPerEvenLength * EvenLength(target), limits_.max_edge);
+    const Line detail{first, limits_.max_edge, exponent, kGradedPart * exponent, Along::kDetail, sized.parameter};
     MESHFRONT_ASSIGN_OR_RETURN(sized, Approach(count, detail, context));
+  } else if (!is_reached(sized) && !uniform) {
+    const double first = std::min(EvenLength(target), limits_.max_edge);
+    const Line longest{first, limits_.max_edge, exponent, kGradedPart * exponent, Along::kLongest, sized.parameter};
+    MESHFRONT_ASSIGN_OR_RETURN(sized, Approach(count, longest, context));
   }
-  if (!is_reached(sized)) return Unreachable(count, sized.predicted_triangles);
-  detail_ = sized.detail;
+  sized.is_least = !is_reached(sized) && sized.predicted_triangles > target && !limits_.max_edge_given;
+  if (!is_reached(sized) && !sized.is_least) return Unreachable(count, sized.predicted_triangles);
+  detail_ = sized.detail, longest_edge_ = sized.longest;
   return sized;
 }
 

@@ -36,7 +36,9 @@ struct SizedField {
   double predicted_triangles = 0;  // ≥ 0
   uint64_t clamped_samples = 0;    // whose ideal length was changed by a clamp or by a thin part
   double detail = 0;               // no edge is shorter than about this for curvature's sake; 0 unless a count needs it
+  double longest = 0;              // no edge is longer than about this, for a count alone; 0: as the limits have it
   double count_on_probe = -1;      // on a part of the faces; < 0: not counted
+  bool is_least = false;           // no field makes fewer, though fewer are wanted
 };
 
 // Uses: FieldBuilder builder(surface, limits); auto sized = builder.Build(0.8, context). What a parameter does not change is
@@ -62,6 +64,9 @@ class FieldBuilder {
   bool HasCloseSheets() const {
     return std::any_of(sheet_distances_.begin(), sheet_distances_.end(), [](double d) { return std::isfinite(d); });
   }
+  // The part of the vertices, 0 … 1, whose other sheet, in the last field, lies closer than edges can be short for it: half of the
+  // input's at least.
+  double ShareTooClose() const { return share_too_close_; }
   // One more sample, in the surface's scale, for the fields that are built from now on; no shorter than the clamp of g.
   void AddSample(const SizingSample& sample) {
     added_.push_back({sample.position, std::max(sample.ideal_length, limits_.min_edge)});
@@ -70,8 +75,9 @@ class FieldBuilder {
   void ClearAddedSamples() { added_.clear(); }
 
   // The field whose predicted count is within 0.3 % of `count`; mostly two of them are built. Where even the largest
-  // parameter makes too many, because the surface is rough, detail is left out. InvalidArgument when so few or so many can't be
-  // made, with what the nearest makes.
+  // parameter makes too many, because the surface is rough, detail is left out; where that still makes too many, the field of the
+  // fewest (SizedField::is_least). InvalidArgument, with what the nearest makes, when so many can't be made, or so few only for a
+  // longest edge that was asked for.
   absl::StatusOr<SizedField> BuildForCount(uint64_t count, const Context& context);
 
  private:
@@ -80,6 +86,7 @@ class FieldBuilder {
     return limits;
   }
   double LongestGuidance() const;
+  double SeenCurvature(double max_curvature) const;
   double WantedLengthAt(double max_curvature) const;
   double LengthAt(double max_curvature) const;
   double LengthForThickness(double sheet_distance) const;
@@ -96,7 +103,7 @@ class FieldBuilder {
   absl::StatusOr<SizedField> BuildField(double parameter, const Context& context);
   absl::StatusOr<SizedField> Sketch(double parameter, const Context& context);
   absl::StatusOr<SizedField> BuildNear(SizedField& other, double parameter, const Context& context);
-  absl::StatusOr<std::vector<SizingSample>> Samples(uint64_t& clamped, const Context& context) const;
+  absl::StatusOr<std::vector<SizingSample>> Samples(uint64_t& clamped, const Context& context);
   // Faces that stand for all.
   struct Probe {
     std::vector<Vec3> positions;
@@ -104,14 +111,16 @@ class FieldBuilder {
     std::vector<double> curvatures;
     double part_of_area = 1;
   };
-  // A line to search for a count: fields by one growing value, the parameter or, at one parameter, the detail.
+  // A line to search for a count: fields by one growing value, the parameter or, at one parameter, the detail or the longest edge.
+  enum class Along { kParameter, kDetail, kLongest };
   struct Line {
     double first, largest;
     double exponent, slope;  // of the count: were there no grading, and about
-    std::optional<double> detail_at;
+    Along along = Along::kParameter;
+    double parameter = 0;  // of the others
   };
   double FirstGuess(double count) const;
-  double FirstDetail(double count) const;
+  double EvenLength(double count) const;
   Probe MakeProbe() const;
   double CurvatureOf(double length, double parameter) const;
   absl::StatusOr<double> CountOnProbe(const GuidanceField& field, const Context& context);
@@ -124,9 +133,11 @@ class FieldBuilder {
   const MeshSurface& surface_;
   const SizingLimits limits_;
   const double diagonal_;
-  std::vector<double> longest_;                       // ideal length of each vertex, by its component's size
-  double parameter_ = 0;                              // in force
-  double detail_ = 0;                                 // in force
+  std::vector<double> longest_;  // ideal length of each vertex, by its component's size
+  double parameter_ = 0;         // in force
+  double detail_ = 0;            // in force
+  double share_too_close_ = 0;
+  double longest_edge_ = 0;                           // in force; 0: max_edge
   double headroom_ = 1;                               // thickness is measured for a parameter that much larger
   double measured_ = 0;                               // the parameter that thickness was measured for; 0: not yet
   double measured_detail_ = 0;                        // … and the detail

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -63,7 +64,23 @@ void AddWedgesOfCorners(const std::vector<Vec3>& normals, Labelled& own) {
   }
 }
 
-Labelled LabelSurface(const MeshSurface& surface, bool has_wedges) {
+// All corners of a patch at a vertex have the same one.
+void AddWedgesOfPatches(const MeshSurface& surface, const std::vector<Vec3>& normals, Labelled& own) {
+  constexpr double kWeights[3][2] = {{0, 0}, {1, 0}, {0, 1}};   // of a face's corners
+  const std::vector<Triangle>& cut = surface.mesh().triangles;  // its vertices are those of one patch
+  std::vector<std::optional<OutputWedge>> of_vertex(surface.mesh().positions.size());
+  for (uint32_t f = 0; f < own.triangles.size(); ++f) {
+    std::array<OutputWedge, 3>& wedges = own.wedges.emplace_back();
+    for (int i = 0; i < 3; ++i) {
+      std::optional<OutputWedge>& wedge = of_vertex[cut[f][i].index()];
+      if (!wedge) wedge = OutputWedge{f, kWeights[i][0], kWeights[i][1], normals[own.triangles[f][i].index()]};
+      wedges[i] = *wedge;
+    }
+    own.faces.push_back(f);
+  }
+}
+
+Labelled LabelSurface(const MeshSurface& surface, bool has_wedges, bool shares_wedges) {
   const TriangleMesh mesh = surface.MeshBeforeCut();
   const std::vector<Vec3> normals = ComputeVertexNormals(mesh);
   Labelled own;
@@ -72,7 +89,8 @@ Labelled LabelSurface(const MeshSurface& surface, bool has_wedges) {
   own.kinds.assign(own.triangles.size(), TriangleKind::kClosing);
   for (uint32_t f = 0; f < own.triangles.size(); ++f)
     own.component.push_back(surface.WholeComponentOf(surface.ComponentOf(FaceId(f))));
-  if (has_wedges) AddWedgesOfCorners(normals, own);
+  if (has_wedges && shares_wedges) AddWedgesOfPatches(surface, normals, own);
+  if (has_wedges && !shares_wedges) AddWedgesOfCorners(normals, own);
   return own;
 }
 
@@ -131,17 +149,20 @@ struct Corners {
 
 class Exchange {
  public:
-  Exchange(const std::vector<HeldPiece>& pieces, const MeshSurface& surface)
-      : surface_(surface), made_(LabelPieces(pieces)), own_(LabelSurface(surface, !made_.faces.empty())) {
+  Exchange(const std::vector<HeldPiece>& pieces, const MeshSurface& surface, const OwnFacesOptions& options)
+      : surface_(surface),
+        options_(options),
+        made_(LabelPieces(pieces)),
+        own_(LabelSurface(surface, !made_.faces.empty(), options.shares_wedges)) {
     for (const uint32_t c : own_.component) is_own_.resize(std::max<size_t>(is_own_.size(), c + 1));
   }
 
-  absl::StatusOr<PartlyOwn> Run(double bound, double flat_ratio, const Context& context) {
+  absl::StatusOr<PartlyOwn> Run(const Context& context) {
     FindUnlike();
-    FindFlat(flat_ratio);
+    FindFlat();
     for (int round = 1;; ++round) {
       Mix();
-      MESHFRONT_ASSIGN_OR_RETURN(const bool is_done, AddMeetings(bound, context));
+      MESHFRONT_ASSIGN_OR_RETURN(const bool is_done, AddMeetings(context));
       if (is_done) return Result();
       if (round == kMaxRounds) is_own_.assign(is_own_.size(), true);
     }
@@ -151,13 +172,14 @@ class Exchange {
   void FindUnlike() {
     const auto count = static_cast<uint32_t>(is_own_.size());
     const std::vector<TopologyReport> made = TopologiesOf(made_, count), own = TopologiesOf(own_, count);
-    for (uint32_t c = 0; c < count; ++c) is_own_[c] = !IsAlike(made[c], own[c]);
+    for (uint32_t c = 0; c < count; ++c)
+      is_own_[c] = !IsAlike(made[c], own[c]) || std::binary_search(options_.wrong.begin(), options_.wrong.end(), c);
   }
 
-  void FindFlat(double flat_ratio) {
+  void FindFlat() {
     for (uint32_t t = 0; t < made_.triangles.size(); ++t) {
       const Corners c = CornersOf(made_, t);
-      if (RadiusRatio(c.at[0], c.at[1], c.at[2]) < flat_ratio) is_own_[made_.component[t]] = true;
+      if (RadiusRatio(c.at[0], c.at[1], c.at[2]) < options_.flat_ratio) is_own_[made_.component[t]] = true;
     }
   }
 
@@ -173,7 +195,7 @@ class Exchange {
   }
 
   // False: others have become the surface's own.
-  absl::StatusOr<bool> AddMeetings(double bound, const Context& context) {
+  absl::StatusOr<bool> AddMeetings(const Context& context) {
     MESHFRONT_ASSIGN_OR_RETURN(const SelfIntersections found,
                                FindSelfIntersections(MeshOf(mixed_), kMaxListedPairs, context));
     bool is_done = true;
@@ -181,7 +203,7 @@ class Exchange {
       const uint32_t c = mixed_.component[f.index()], d = mixed_.component[g.index()];
       if (is_own_[c] && is_own_[d]) continue;
       const Corners a = CornersOf(mixed_, f.index()), b = CornersOf(mixed_, g.index());
-      if (surface_.MeetsItselfNear(PlaceOfMeeting(a.at, b.at), bound, context)) continue;
+      if (surface_.MeetsItselfNear(PlaceOfMeeting(a.at, b.at), options_.bound, context)) continue;
       is_own_[c] = is_own_[d] = true;
       is_done = false;
     }
@@ -233,6 +255,7 @@ class Exchange {
   }
 
   const MeshSurface& surface_;
+  const OwnFacesOptions options_;
   const Labelled made_, own_;
   std::vector<bool> is_own_;  // of each component
   Labelled mixed_;
@@ -240,9 +263,9 @@ class Exchange {
 
 }  // namespace
 
-absl::StatusOr<PartlyOwn> PutOwnFacesIn(const std::vector<HeldPiece>& pieces, const MeshSurface& surface, double bound,
-                                        double flat_ratio, const Context& context) {
-  return Exchange(pieces, surface).Run(bound, flat_ratio, context);
+absl::StatusOr<PartlyOwn> PutOwnFacesIn(const std::vector<HeldPiece>& pieces, const MeshSurface& surface,
+                                        const OwnFacesOptions& options, const Context& context) {
+  return Exchange(pieces, surface, options).Run(context);
 }
 
 }  // namespace meshfront

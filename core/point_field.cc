@@ -64,8 +64,8 @@ double PointFieldBuilder::LengthAt(double curvature, double parameter) const {
     case Sizing::kAngle:
     case Sizing::kThickness:
       return IdealLength(parameter, curvature);
-    case Sizing::kError:
-      return LengthForError(parameter, curvature);
+    case Sizing::kError:  // for a count as FieldBuilder::SeenCurvature
+      return LengthForError(parameter, is_counting_ ? std::min(curvature, 1 / parameter) : curvature);
     case Sizing::kUniform:
       break;
   }
@@ -184,6 +184,7 @@ double PointFieldBuilder::FirstGuess(double count) const {
 }
 
 absl::StatusOr<SizedField> PointFieldBuilder::BuildForCount(uint64_t count, const Context& context) {
+  is_counting_ = true;
   const double target = std::log(static_cast<double>(count)), last = std::log(LargestParameter(limits_));
   double exponent = limits_.sizing == Sizing::kError ? -0.75 : -1.5;
   double at = std::log(FirstGuess(static_cast<double>(count))), left = -kInfinity, right = kInfinity;
@@ -200,11 +201,14 @@ absl::StatusOr<SizedField> PointFieldBuilder::BuildForCount(uint64_t count, cons
     exponent = std::clamp(changed, 3 * exponent, 0.3 * exponent);
     at = next;
   }
-  if (std::abs(sized.predicted_triangles / static_cast<double>(count) - 1) <= kReachable) return sized;
+  const bool is_more = sized.predicted_triangles > static_cast<double>(count);
+  sized.is_least = std::abs(sized.predicted_triangles / static_cast<double>(count) - 1) > kReachable && is_more &&
+                   !limits_.max_edge_given;
+  if (sized.is_least || std::abs(sized.predicted_triangles / static_cast<double>(count) - 1) <= kReachable)
+    return sized;
   return absl::InvalidArgumentError(
       absl::StrCat("options.target_triangles is ", count, "; with the other options as they are this surface takes at ",
-                   sized.predicted_triangles > static_cast<double>(count) ? "least " : "most ",
-                   std::llround(sized.predicted_triangles)));
+                   is_more ? "least " : "most ", std::llround(sized.predicted_triangles)));
 }
 
 }  // namespace meshfront

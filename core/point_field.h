@@ -46,6 +46,7 @@ class PointFieldBuilder {
   std::vector<double> longest_;          // of each component
   std::vector<double> sheet_distances_;  // of each patch; +infinity: none within what matters
   double measured_ = 0;                  // the parameter that they were measured for
+  bool is_counting_ = false;             // a number of triangles is wanted
   std::vector<SizingSample> added_;
   double area_ = 0, peak_curvature_ = 0;
 };

@@ -228,8 +228,10 @@ absl::Status SetField(const std::optional<uint64_t>& count, Preparation& p, cons
   if (!sized.ok()) return sized.status();
   p.parameter = sized->parameter;
   p.predicted_triangles = sized->predicted_triangles;
+  p.is_least_count = sized->is_least;
   p.parameters.clamped_samples = sized->clamped_samples;
   p.parameters.detail = sized->detail / p.scale;
+  if (sized->longest > 0) p.parameters.max_edge = std::min(p.parameters.max_edge, sized->longest);
   SetParameter(p.parameter, p, p.parameters.options);
   p.field = std::move(sized->field);
   return absl::OkStatus();

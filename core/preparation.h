@@ -48,7 +48,8 @@ struct Preparation {
   std::vector<SourcePoint> more_seeds;  // of a point set, where a front left samples uncovered
   double parameter = 0;                 // the sizing's: rho, or the error bound or median edge in the surface's scale
   double predicted_triangles = 0;
-  int most_attempts = 16;  // of AdvanceInAttempts
+  bool is_least_count = false;  // fewer triangles are wanted than any field makes
+  int most_attempts = 16;       // of AdvanceInAttempts
   // All attempts at a point set look at about so many samples, which takes 15 to 45 s: those that have a say, for each candidate, and for
   // each triangle as often as for so many (attempts.cc).
   double most_samples_seen = 3e9;

@@ -150,10 +150,16 @@ std::string OtherTopology(const TopologyReport& input, const TopologyReport& out
 }
 
 // Where the input meets itself, so may the output, but not far from there.
-void WarnOfFaults(const Attempt& attempt, Report& report) {
+void WarnOfFaults(const Attempt& attempt, double scale, Report& report) {
   if (!attempt.intersections.empty()) {
     report.warnings.push_back(absl::StrCat(attempt.intersections.size(), " pairs of triangles meet where the input ",
                                            "does not within the error bound"));
+  }
+  if (!attempt.missed.places.empty()) {
+    const Vec3 first = attempt.missed.places.front() / scale;
+    report.warnings.push_back(
+        absl::StrCat("parts of the surface are farther from the result than its edges are long, as near ", first.x,
+                     ", ", first.y, ", ", first.z, "; smaller edges help"));
   }
   if (attempt.keeps_creases) {
     report.warnings.push_back(
@@ -221,14 +227,21 @@ void WarnOfManyTriangles(const Preparation& p, uint64_t made, Report& report) {
 }
 
 // Where thin walls, rims or faults ask for shorter edges than were wanted.
-void WarnOfSizes(const Preparation& p, uint64_t made, Report& report) {
+void WarnOfSizes(const Preparation& p, const Attempt& attempt, Report& report) {
+  const uint64_t made = attempt.front.triangles;
   const auto triangles = static_cast<double>(made);
   const auto wanted = static_cast<double>(report.parameters.target_triangles);
   if (wanted > 0 && std::abs(triangles / wanted - 1) > kCountPromise) {
     report.warnings.push_back(
         absl::StrCat(made, " triangles instead of the ", report.parameters.target_triangles, " of target_triangles: ",
-                     triangles > wanted ? "with fewer it did not come out whole, or they can't be predicted well"
-                                        : "they can't be predicted well here; ask for somewhat more"));
+                     attempt.thinned_from > 0 ? "creases, rims, topology and what lies close allow no fewer"
+                     : triangles > wanted     ? "with fewer it did not come out whole, or they can't be predicted well"
+                                              : "they can't be predicted well here; ask for somewhat more"));
+  }
+  if (attempt.thinned_from > 0) {
+    report.warnings.push_back(
+        absl::StrCat("so few triangles are less than a front takes here: they are what is left of ",
+                     attempt.thinned_from, ", and neither as round nor graded as by eta"));
   }
   if (!report.parameters.options.edge_length || wanted > 0 || p.region || p.points || !(p.parameter > 0)) return;
   const double of_length = TrianglesOfLength(*p.surface, p.parameter);
@@ -439,8 +452,8 @@ absl::StatusOr<std::optional<Report>> RemeshPrepared(Preparation& p, const Sinks
   report.threads = ThreadsInForce(context);
   Scale(p, report);
   WarnOfDeviations(front, p.scale, report);
-  WarnOfFaults(attempt, report);
-  WarnOfSizes(p, front.triangles, report);
+  WarnOfFaults(attempt, p.scale, report);
+  WarnOfSizes(p, attempt, report);
   WarnOfManyTriangles(p, front.triangles, report);
   WarnOfGaps(attempt.gaps, p.scale, report);
   if (has_other_topology) report.warnings.push_back(OtherTopology(p.input.topology, report.output));

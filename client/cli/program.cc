@@ -34,7 +34,8 @@ void AddMeshingFlags(CLI::App* command, MeshingFlags* flags) {
   command->add_option("--edge-length", flags->edge_length,
                       "the median edge, the same everywhere, absolute or % of the diagonal; --sizing uniform");
   command->add_option("--target-triangles", flags->target_triangles,
-                      "how many triangles, within 3%: solves for the parameter of --sizing; with --region, new ones");
+                      "how many triangles, within 3%: solves for the parameter of --sizing, and takes some out where "
+                      "that makes more; with --region, new ones");
   command->add_option("--min-edge", flags->min_edge,
                       "lower clamp of the edge length, absolute or % of the diagonal [derived]");
   command->add_option("--max-edge", flags->max_edge,

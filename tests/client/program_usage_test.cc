@@ -76,7 +76,7 @@ TEST_F(Program, ExitsWithTwoForMistakesInTheCommandLine) {
       {"remesh", "in.ply", "out.ply", "--rho", "1", "--edge-length", "1"},
       {"remesh", "in.ply", "out.ply", "--max-error", "1%", "--target-triangles", "500"},
       {"remesh", "in.ply", "out.ply", "--max-error", "1%", "--sizing", "uniform"},
-      {"remesh", "in.ply", "out.ply", "--target-triangles", "4"},  // fewer than this sphere takes at any rho
+      {"remesh", "in.ply", "out.ply", "--target-triangles", "4", "--max-edge", "1%"},  // too few for such edges
       {"remesh", "in.ply", "out.doc"},
       {"remesh", "in.ply", "out.xyz"},
       {"remesh", "-", "out.ply"},

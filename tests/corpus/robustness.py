@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Remeshes the same models again and again, each time moved, scaled, put far away and reordered, and has every result judged.
 
-    robustness.py                    100 runs on each of ten models
+    robustness.py                    100 runs on each of eleven models
     robustness.py --runs 30 -j 2 --only spot,bunny
     robustness.py --generated        the same with shapes made in code, for which no models are needed
     robustness.py --subset           a few runs on a few small ones, in seconds
@@ -36,6 +36,7 @@ RULES = 2
 RHO = 1.0
 MODELS = [
     "scans/bunny.off",            # holes, a scan
+    "scans/bunny_closed.off.gz",  # meets itself
     "assets/spot.obj",            # smooth
     "genus/kitten.obj",
     "genus/fertility.off",        # genus 4

@@ -50,7 +50,8 @@ class TwoComponents : public ::testing::Test {
  protected:
   PartlyOwn Mix(const TriangleMesh& first, const TriangleMesh& second) {
     const auto surface = SurfaceOf(Joined(near_, far_));
-    absl::StatusOr<PartlyOwn> mixed = PutOwnFacesIn(PiecesOf({first, second}), *surface, 0.01, kFlatRatio, Context{});
+    absl::StatusOr<PartlyOwn> mixed =
+        PutOwnFacesIn(PiecesOf({first, second}), *surface, {{}, 0.01, kFlatRatio}, Context{});
     EXPECT_THAT(mixed, IsOk());
     return *std::move(mixed);
   }
@@ -93,7 +94,7 @@ TEST_F(TwoComponents, KeepTheWedgesOfTheirCorners) {
     for (const auto& [u, v] : {std::pair(0.0, 0.0), std::pair(1.0, 0.0), std::pair(0.0, 1.0)})
       pieces[0].wedges.push_back({f, u, v, {0, 0, 1}});
   }
-  const absl::StatusOr<PartlyOwn> mixed = PutOwnFacesIn(pieces, *surface, 0.01, kFlatRatio, Context{});
+  const absl::StatusOr<PartlyOwn> mixed = PutOwnFacesIn(pieces, *surface, {{}, 0.01, kFlatRatio}, Context{});
   ASSERT_THAT(mixed, IsOk());
   ASSERT_EQ(mixed->components, 1u);
   size_t corners = 0;
@@ -146,8 +147,8 @@ TEST_F(TwoComponents, AreTheInputsWhereTheyMeetThemselves) {
 TEST(OwnFaces, AreNotNeededWhereTheSurfaceMeetsItself) {
   const TriangleMesh first = Icosphere(2), second = Moved(Icosphere(2), {1.5, 0, 0});
   const auto surface = SurfaceOf(Joined(first, second));
-  const absl::StatusOr<PartlyOwn> mixed =
-      PutOwnFacesIn(PiecesOf({Icosphere(3), Moved(Icosphere(3), {1.5, 0, 0})}), *surface, 0.1, kFlatRatio, Context{});
+  const absl::StatusOr<PartlyOwn> mixed = PutOwnFacesIn(PiecesOf({Icosphere(3), Moved(Icosphere(3), {1.5, 0, 0})}),
+                                                        *surface, {{}, 0.1, kFlatRatio}, Context{});
   ASSERT_THAT(mixed, IsOk());
   EXPECT_EQ(mixed->components, 0u);
 }

@@ -1,0 +1,154 @@
+#include "core/mesh/thinning.h"
+
+#include <algorithm>
+#include <atomic>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "core/geometry/triangle.h"
+#include "core/mesh/topology.h"
+#include "tests/support/matchers.h"
+#include "tests/support/shapes.h"
+
+namespace meshfront::testing {
+namespace {
+
+// A whole mesh as the front sends it. `patch_of`: where a wedge belongs to, by the normal of the triangle.
+HeldPiece PieceOf(const TriangleMesh& mesh, bool has_patches) {
+  HeldPiece piece(MeshPiece{});
+  for (const Vec3& p : mesh.positions) piece.vertices.push_back({p, {}});
+  piece.triangles = mesh.triangles;
+  piece.kinds.assign(mesh.triangles.size(), TriangleKind::kFree);
+  if (!has_patches) return piece;
+  std::map<std::tuple<double, double, double, uint32_t>, uint32_t> names;
+  for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Triangle& c = mesh.triangles[t];
+    const Vec3 n = Normalized(AreaVector(mesh.PositionAt(c[0]), mesh.PositionAt(c[1]), mesh.PositionAt(c[2])));
+    CornerWedges corners;
+    for (int i = 0; i < 3; ++i) {
+      const auto [at, is_new] =
+          names.try_emplace({n.x, n.y, n.z, c[i].index()}, static_cast<uint32_t>(piece.wedges.size()));
+      if (is_new) piece.wedges.push_back({t, 0, 0, n});
+      corners[i] = at->second;
+    }
+    piece.corners.push_back(corners);
+    piece.faces.push_back(t);
+  }
+  return piece;
+}
+
+TriangleMesh MeshOf(const HeldPiece& piece) {
+  TriangleMesh mesh;
+  for (const OutputVertex& v : piece.vertices) mesh.positions.push_back(v.position);
+  mesh.triangles = piece.triangles;
+  return mesh;
+}
+
+TriangleMesh Thinned(const TriangleMesh& mesh, uint64_t most, bool has_patches = false) {
+  HeldPiece piece = PieceOf(mesh, has_patches);
+  const absl::StatusOr<uint64_t> left = ThinOut(most, piece, Context{});
+  EXPECT_THAT(left, IsOk());
+  EXPECT_EQ(left.ok() ? *left : 0, piece.triangles.size());
+  EXPECT_EQ(piece.kinds.size(), piece.triangles.size());
+  return MeshOf(piece);
+}
+
+double AreaOf(const TriangleMesh& mesh) {
+  double area = 0;
+  for (const Triangle& t : mesh.triangles)
+    area += TriangleArea(mesh.PositionAt(t[0]), mesh.PositionAt(t[1]), mesh.PositionAt(t[2]));
+  return area;
+}
+
+double VolumeOf(const TriangleMesh& mesh) {
+  double six = 0;
+  for (const Triangle& t : mesh.triangles)
+    six += Dot(mesh.PositionAt(t[0]), Cross(mesh.PositionAt(t[1]), mesh.PositionAt(t[2])));
+  return six / 6;
+}
+
+TEST(Thinning, KeepsTheTopologyDownToAFewTriangles) {
+  const struct {
+    TriangleMesh mesh;
+    uint64_t most;
+    int64_t genus;
+  } shapes[] = {
+      {Icosphere(4), 20, 0}, {Torus(1, 0.4, 40, 20), 80, 1}, {GenusThree(32), 200, 3}, {ThinSlab(20), 100, 0}};
+  for (const auto& [mesh, most, genus] : shapes) {
+    const TriangleMesh thin = Thinned(mesh, most);
+    EXPECT_LE(thin.triangles.size(), most);
+    EXPECT_GE(thin.triangles.size() + 1, most) << "no more than was asked for";
+    EXPECT_THAT(thin, IsClosedManifold());
+    EXPECT_THAT(thin, HasGenus(genus));
+    EXPECT_THAT(thin, HasNoSelfIntersection());
+    EXPECT_GT(VolumeOf(thin) / VolumeOf(mesh), 0.3);
+    EXPECT_LT(VolumeOf(thin) / VolumeOf(mesh), 1.1);
+  }
+}
+
+// A tetrahedron can't lose a vertex.
+TEST(Thinning, EndsWhereNoVertexCanGo) {
+  const TriangleMesh thin = Thinned(Icosphere(2), 1);
+  EXPECT_GE(thin.triangles.size(), 4u);
+  EXPECT_LE(thin.triangles.size(), 8u);
+  EXPECT_THAT(thin, IsClosedManifold());
+}
+
+TEST(Thinning, KeepsWhatIsFlatBetweenCreasesAndRims) {
+  const TriangleMesh cube = Thinned(Cube(8), 12, true);
+  EXPECT_EQ(cube.triangles.size(), 12u);
+  EXPECT_NEAR(VolumeOf(cube), VolumeOf(Cube(8)), 1e-12) << "all eight corners are there";
+  const TriangleMesh sheet = Thinned(Sheet(12), 2);
+  EXPECT_EQ(sheet.triangles.size(), 2u);
+  EXPECT_NEAR(AreaOf(sheet), AreaOf(Sheet(12)), 1e-12);
+  EXPECT_THAT(sheet, HasBoundaryLoops(1u));
+}
+
+// Nothing but wedges tells that there are sides: a seam across a flat sheet.
+TEST(Thinning, MovesNoVertexOffASeam) {
+  const TriangleMesh sheet = Sheet(8);
+  HeldPiece piece = PieceOf(sheet, true);
+  const auto is_left = [&](uint32_t t) {
+    const Triangle& c = sheet.triangles[t];
+    return (sheet.PositionAt(c[0]) + sheet.PositionAt(c[1]) + sheet.PositionAt(c[2])).x / 3 < 0;
+  };
+  const auto wedges = static_cast<uint32_t>(piece.wedges.size());
+  for (uint32_t t = 0; t < sheet.triangles.size(); ++t) {
+    for (uint32_t& w : piece.corners[t]) w += is_left(t) ? wedges : 0;
+  }
+  piece.wedges.insert(piece.wedges.end(), piece.wedges.begin(), piece.wedges.end());
+  ASSERT_THAT(ThinOut(4, piece, Context{}), IsOk());
+  double left_area = 0, right_area = 0;
+  for (uint32_t t = 0; t < piece.triangles.size(); ++t) {
+    const auto place = [&](int i) { return piece.vertices[piece.triangles[t][i].index()].position; };
+    const double area = TriangleArea(place(0), place(1), place(2));
+    for (int i = 0; i < 3; ++i) EXPECT_LT(piece.corners[t][i], piece.wedges.size());
+    ((place(0) + place(1) + place(2)).x < 0 ? left_area : right_area) += area;
+    const bool reaches_left = std::min({place(0).x, place(1).x, place(2).x}) < -1e-9;
+    const bool reaches_right = std::max({place(0).x, place(1).x, place(2).x}) > 1e-9;
+    EXPECT_FALSE(reaches_left && reaches_right) << "triangle " << t << " spans the seam";
+  }
+  EXPECT_EQ(piece.triangles.size(), 4u);
+  EXPECT_NEAR(left_area, right_area, 1e-12);
+}
+
+// Two plates closer to each other than the bends of the upper one are high: what would pass through the other stays.
+TEST(Thinning, MakesNothingThatMeetsSomethingElse) {
+  const auto upper = HeightField(24, [](double x, double y) { return 0.2 * x * x + 0.2 * y * y + 0.01; });
+  const auto lower = HeightField(24, [](double x, double y) { return 0.2 * x * x + 0.2 * y * y; });
+  const TriangleMesh both = Joined(lower, upper);
+  ASSERT_THAT(both, HasNoSelfIntersection());
+  for (const uint64_t most : {400, 100, 20}) EXPECT_THAT(Thinned(both, most), HasNoSelfIntersection());
+}
+
+TEST(Thinning, StopsWhenItIsCancelled) {
+  HeldPiece piece = PieceOf(Icosphere(5), false);
+  std::atomic<bool> stop = true;
+  Context context;
+  context.stop = &stop;
+  EXPECT_FALSE(ThinOut(100, piece, context).ok());
+}
+
+}  // namespace
+}  // namespace meshfront::testing
