@@ -14,6 +14,7 @@
 #include "core/base/status_macros.h"
 #include "core/guidance/prediction.h"
 #include "core/guidance/sizing.h"
+#include "core/surface/opposed_samples.h"
 
 namespace meshfront {
 namespace {
@@ -77,12 +78,13 @@ absl::Status PointFieldBuilder::MeasureThickness(double parameter, const Context
   const MlsSamples& samples = surface_.samples();
   sheet_distances_.assign(samples.patch_count(), kInfinity);
   measured_ = parameter;
+  const OpposedSamples opposed(samples);
   const double longest = kLongestSheetReachPerBox * samples.box().Diagonal();
   return ParallelFor(sheet_distances_.size(), kGrain, context, [&](size_t begin, size_t end) {
     for (size_t p = begin; p < end; ++p) {
       const uint32_t sample = samples.MembersOf(static_cast<uint32_t>(p))[0];
       const double length = std::min(LengthAt(surface_.curvatures()[sample], parameter), limits_.max_edge);
-      sheet_distances_[p] = samples.DistanceToOpposed(sample, std::min(kSheetReach * length, longest));
+      sheet_distances_[p] = opposed.DistanceFrom(sample, std::min(kSheetReach * length, longest));
     }
   });
 }

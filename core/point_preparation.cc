@@ -66,6 +66,12 @@ void SetRadius(const PointNoise& noise, Preparation& p) {
   radius = wanted;
 }
 
+// Samples of a mesh are as dense as its result wants them, and a mesh that is but a means to sharp edges needs no edges of its own.
+MlsWeights WeightsFor(const Preparation& p) {
+  const bool is_means = p.most_attempts < Problem().most_attempts;
+  return p.input.is_point_set && !is_means ? MlsWeights::kNarrowAtEdges : MlsWeights::kWide;
+}
+
 std::shared_ptr<PointSurface> MakeSurface(std::unique_ptr<MlsSamples> samples, SurfaceKind kind) {
   if (kind == SurfaceKind::kMls) return std::make_shared<MlsSurface>(std::move(samples));
   return std::make_shared<ImplicitMlsSurface>(std::move(samples));
@@ -92,9 +98,12 @@ absl::StatusOr<RimCurves> TraceAndFill(Preparation& p, const Context& context) {
 
 absl::Status SetPointSurface(std::unique_ptr<MlsSamples> samples, Preparation& p, const Context& context) {
   p.points = MakeSurface(std::move(samples), p.parameters.options.surface);
+  // Rims need the asymmetries that come with the curvatures; but where samples are added, those of the last surface only.
+  const bool may_fill = p.parameters.options.fill_gaps.has_value();
+  if (!may_fill) MESHFRONT_RETURN_IF_ERROR(p.points->ComputeCurvature(context));
   MESHFRONT_ASSIGN_OR_RETURN(RimCurves rims, TraceAndFill(p, context));
+  if (may_fill) MESHFRONT_RETURN_IF_ERROR(p.points->ComputeCurvature(context));
   if (p.input.is_point_set) p.input.topology.components = p.points->samples().component_count();
-  MESHFRONT_RETURN_IF_ERROR(p.points->ComputeCurvature(context));
   p.rims = std::move(rims.curves);
   p.lost_rims = rims.lost;
   p.lost_places = std::move(rims.lost_places);
@@ -146,6 +155,15 @@ absl::StatusOr<std::optional<Preparation>> PrepareSharpPoints(const TriangleMesh
   return made;
 }
 
+void WarnOfReplacedNormals(const PointRepair& repaired, Preparation& p) {
+  const NormalNoise& noise = repaired.normal_noise;
+  if (!noise.AreWorseThanPlanes()) return;
+  p.warnings.push_back(absl::StrCat("the normals given differ from the planes through the neighbours by ",
+                                    noise.from_planes, " degrees (the median), and from their neighbours' by ",
+                                    noise.between_given, ", the planes by ", noise.between_planes,
+                                    ": only their sides are used; repair = false keeps them"));
+}
+
 // Normals that are wrong in the file are turned; those of a plate as thin as its points lie apart are turned as well, and wrongly.
 void WarnOfTurnedNormals(const PointRepair& repaired, Preparation& p) {
   for (const RepairAction& action : repaired.actions) {
@@ -183,6 +201,7 @@ absl::StatusOr<Preparation> PreparePoints(Problem problem, const Context& contex
   const bool may_change = options.repair || !p.input.is_point_set;
   MESHFRONT_ASSIGN_OR_RETURN(PointRepair repaired, RepairPoints(std::move(problem.mesh), may_change, context));
   p.input.repairs.insert(p.input.repairs.end(), repaired.actions.begin(), repaired.actions.end());
+  WarnOfReplacedNormals(repaired, p);
   WarnOfTurnedNormals(repaired, p);
   if (repaired.undecided_pairs > 0) {
     p.warnings.push_back(absl::StrCat("normals were estimated or turned; at ", repaired.undecided_pairs,
@@ -213,7 +232,7 @@ absl::StatusOr<Preparation> PreparePoints(Problem problem, const Context& contex
   context.Report({Stage::kIndex});
   MESHFRONT_ASSIGN_OR_RETURN(std::unique_ptr<MlsSamples> samples,
                              MlsSamples::Create(points.positions, points.normals, p.parameters.options.mls_radius,
-                                                context, repaired.noise.neighbours));
+                                                context, repaired.noise.neighbours, WeightsFor(p)));
   if (samples->component_count() == 0) {
     return absl::FailedPreconditionError(absl::StrCat("the ", points.positions.size(),
                                                       " points are no samples of a surface: no ", kLeastOfASurface,

@@ -64,7 +64,7 @@ absl::StatusOr<uint64_t> DropInner(const TriangleMesh& mesh, const Spacing& spac
   MESHFRONT_RETURN_IF_ERROR(ParallelFor(n, kGrain, context, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const Vec3& x = samples.points.positions[i];
-      is_inner[i] = winding.At(x + kAbovePerSpacing * spacing(x) * samples.points.normals[i]) > kInside;
+      is_inner[i] = winding.IsAbove(x + kAbovePerSpacing * spacing(x) * samples.points.normals[i], kInside);
     }
   }));
   const std::vector<uint32_t> components = ComponentsOf(mesh);

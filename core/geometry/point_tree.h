@@ -36,7 +36,12 @@ class PointTree {
   void FindNearest(const Vec3& x, size_t count, std::vector<std::pair<double, uint32_t>>& found) const;
   // The nearest point that `accept(index)` is true of, closer than the root of `limit`; kNone when there is none.
   template <typename Accept>
-  uint32_t FindNearest(const Vec3& x, double limit, const Accept& accept) const;
+  uint32_t FindNearest(const Vec3& x, double limit, const Accept& accept) const {
+    return FindNearest(x, limit, accept, [](uint32_t) { return true; });
+  }
+  // The same where a whole node is passed over unless `may_hold(node)`, which must be true where `accept` is of one of its points.
+  template <typename Accept, typename MayHold>
+  uint32_t FindNearest(const Vec3& x, double limit, const Accept& accept, const MayHold& may_hold) const;
   // Calls visit(index) for the points of all leaves whose boxes come within reach(node) of a box.
   template <typename Reach, typename Visit>
   void VisitNear(const Box3& box, const Reach& reach, const Visit& visit) const;
@@ -56,8 +61,8 @@ inline double SquaredDistanceBetween(const Box3& a, const Box3& b) {
   return SquaredNorm(Max(Max(a.min - b.max, b.min - a.max), Vec3{}));
 }
 
-template <typename Accept>
-uint32_t PointTree::FindNearest(const Vec3& x, double limit, const Accept& accept) const {
+template <typename Accept, typename MayHold>
+uint32_t PointTree::FindNearest(const Vec3& x, double limit, const Accept& accept, const MayHold& may_hold) const {
   struct Entry {
     double distance;
     uint32_t node;
@@ -69,7 +74,7 @@ uint32_t PointTree::FindNearest(const Vec3& x, double limit, const Accept& accep
   if (!nodes_.empty()) stack[size++] = {nodes_[0].box.SquaredDistanceTo(x), 0};
   while (size > 0) {
     const Entry at = stack[--size];
-    if (at.distance > least) continue;
+    if (at.distance > least || !may_hold(at.node)) continue;
     const Node& node = nodes_[at.node];
     if (node.is_leaf()) {
       for (uint32_t i = node.begin; i < node.end; ++i) {

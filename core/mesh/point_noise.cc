@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "Eigen/Eigenvalues"
-#include "core/geometry/point_tree.h"
 
 namespace meshfront {
 namespace {
@@ -49,7 +48,10 @@ NeighbourPlane FitNeighbourPlane(absl::Span<const Vec3> positions, absl::Span<co
 }
 
 PointNoise MeasurePointNoise(absl::Span<const Vec3> positions) {
-  const PointTree tree(positions);
+  return MeasurePointNoise(positions, PointTree(positions));
+}
+
+PointNoise MeasurePointNoise(absl::Span<const Vec3> positions, const PointTree& tree) {
   const size_t n = positions.size(), stride = n / kAsked + 1;
   PointNoise best;
   double least = 0;

@@ -8,6 +8,7 @@
 #include "absl/status/statusor.h"
 #include "absl/types/span.h"
 #include "core/base/context.h"
+#include "core/geometry/point_tree.h"
 #include "core/geometry/vec3.h"
 
 namespace meshfront {
@@ -30,5 +31,6 @@ NeighbourPlane FitNeighbourPlane(absl::Span<const Vec3> positions, absl::Span<co
 // Of at least 4 points, from up to 1,024 of them. Edges and thin sheets are no noise, as long as most points do not lie at
 // one. Deterministic. Half a millisecond for each.
 PointNoise MeasurePointNoise(absl::Span<const Vec3> positions);
+PointNoise MeasurePointNoise(absl::Span<const Vec3> positions, const PointTree& tree);  // the tree of these positions
 
 }  // namespace meshfront

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numeric>
 #include <utility>
 
@@ -30,6 +31,8 @@ constexpr double kClearSides = 0.3, kMixedSides = 0.005;
 constexpr double kLineWidth = 1e-6, kVolumeFlatness = 0.6;
 constexpr size_t kFewestOfAVolume = 200;
 constexpr size_t kGrain = 512;
+// Of the planes that given normals are compared with.
+constexpr size_t kPlaneNeighbours = 14;
 constexpr double kUnitSlack = 1e-12;  // of a squared length: such normals keep their bits
 
 void Keep(TriangleMesh& points, const std::vector<bool>& keep) {
@@ -74,9 +77,8 @@ struct Neighbourhoods {
   bool has_mixed_sides = false;  // normals of neighbours are on opposite sides
 };
 
-absl::StatusOr<Neighbourhoods> LookAround(const TriangleMesh& points, const Context& context) {
+absl::StatusOr<Neighbourhoods> LookAround(const TriangleMesh& points, const PointTree& tree, const Context& context) {
   const size_t n = points.positions.size(), k = std::min(kOutlierNeighbours, n - 1);
-  const PointTree tree(points.positions);
   std::vector<double> distances(n);
   std::vector<uint32_t> neighbours(n * k);
   std::vector<uint8_t> clear(n, 0), opposed(n, 0);
@@ -163,15 +165,27 @@ absl::StatusOr<PointRepair> RepairPoints(TriangleMesh points, bool change, const
   TriangleMesh& kept = result.points;
   MakeUnitNormals(kept);
   bool has_mixed_sides = false;
+  auto tree = std::make_unique<PointTree>(kept.positions);
   if (change) {
-    MESHFRONT_ASSIGN_OR_RETURN(const Neighbourhoods around, LookAround(kept, context));
+    const size_t before = kept.positions.size();
+    MESHFRONT_ASSIGN_OR_RETURN(const Neighbourhoods around, LookAround(kept, *tree, context));
     MESHFRONT_RETURN_IF_ERROR(Drop(around.inliers, "dropped_outliers", change, result));
+    if (kept.positions.size() != before) tree = std::make_unique<PointTree>(kept.positions);
     has_mixed_sides = around.has_mixed_sides;
   }
   const auto missing = static_cast<uint64_t>(std::count(kept.normals.begin(), kept.normals.end(), Vec3{}));
   MESHFRONT_RETURN_IF_ERROR(CheckIsNoLine(kept));
-  result.noise = MeasurePointNoise(kept.positions);
+  result.noise = MeasurePointNoise(kept.positions, *tree);
   MESHFRONT_RETURN_IF_ERROR(CheckIsNoVolume(result.noise, kept.positions.size()));
+  if (change && missing < kept.positions.size()) {
+    const size_t neighbours = std::max(kPlaneNeighbours, result.noise.neighbours);
+    result.normal_noise = MeasureNormalNoise(kept, *tree, neighbours);
+    if (result.normal_noise.AreWorseThanPlanes()) {
+      MESHFRONT_RETURN_IF_ERROR(ReplaceByPlaneNormals(kept, *tree, neighbours, context));
+      result.actions.push_back({"replaced_normals", kept.positions.size() - missing});
+      has_mixed_sides = true;
+    }
+  }
   if (missing == 0 && !has_mixed_sides) return result;
   MESHFRONT_ASSIGN_OR_RETURN(const SideReport sides,
                              EstimateNormals(kept, result.noise.neighbours, has_mixed_sides, context));

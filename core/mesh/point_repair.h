@@ -6,6 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/base/context.h"
+#include "core/mesh/given_normals.h"
 #include "core/mesh/point_noise.h"
 #include "core/mesh/repair.h"
 #include "core/mesh/triangle_mesh.h"
@@ -18,11 +19,13 @@ struct PointRepair {
   // dropped_duplicate_points    at the place of an earlier one
   // dropped_outliers            far from all others, for how far those are from each other
   // estimated_normals           of the plane through the neighbours, turned to agree with them, or outward
+  // replaced_normals            by those of the planes through the neighbours, on the side of those given, which disagree much more
   // turned_normals              to the side of most, where a part of the neighbours have them on opposite sides
   std::vector<RepairAction> actions;
   // Pairs of neighbours whose normals, as estimated, point apart: where it is not clear which side is which.
   uint64_t undecided_pairs = 0;
-  PointNoise noise;  // of what is left
+  PointNoise noise;          // of what is left
+  NormalNoise normal_noise;  // of the normals that were given
 };
 
 // With `change` false nothing is dropped: FailedPrecondition where something would have to be, with its place. Normals

@@ -31,7 +31,7 @@ double MaxCurvatureIn(const MlsValue<2>& value) {
 
 // Around x as the origin, so that nothing cancels far from it. The centre n(x)·(x − a(x)) and the mean of n_i·(x − p_i)
 // share their sums.
-template <int kOrder>
+template <int kOrder, bool kWide>
 MlsValue<kOrder> ImplicitMlsSurface::Evaluate(const Vec3& x, uint32_t patch) const {
   using J = Jet<kOrder>;
   J weights, heights, supports;
@@ -40,8 +40,9 @@ MlsValue<kOrder> ImplicitMlsSurface::Evaluate(const Vec3& x, uint32_t patch) con
   for (const uint32_t i : samples_->ListOf(patch)) {
     const MlsSample& s = all[i];
     const Vec3 p = s.position - x;
-    if (SquaredNorm(p) * s.inverse_squared_support >= 1) continue;
-    const J w = FourthPower(1.0 - s.inverse_squared_support * SquaredDistanceToPlace<kOrder>(Vec3{}, p));
+    const double inverse_squared = kWide ? 1 / (s.support * s.support) : s.inverse_squared_radius;
+    if (SquaredNorm(p) * inverse_squared >= 1) continue;
+    const J w = FourthPower(1.0 - inverse_squared * SquaredDistanceToPlace<kOrder>(Vec3{}, p));
     weights += w;
     AddScaled(heights, Dot(s.normal, p), w);
     for (int axis = 0; axis < 3; ++axis)
@@ -68,20 +69,26 @@ MlsValue<kOrder> ImplicitMlsSurface::Evaluate(const Vec3& x, uint32_t patch) con
   return result;
 }
 template MlsValue<1> ImplicitMlsSurface::Evaluate<1>(const Vec3&, uint32_t) const;
+template MlsValue<1> ImplicitMlsSurface::Evaluate<1, true>(const Vec3&, uint32_t) const;
 template MlsValue<2> ImplicitMlsSurface::Evaluate<2>(const Vec3&, uint32_t) const;
+template MlsValue<2> ImplicitMlsSurface::Evaluate<2, true>(const Vec3&, uint32_t) const;
 
 ImplicitMlsSurface::ImplicitMlsSurface(std::unique_ptr<MlsSamples> samples) : samples_(std::move(samples)) {}
 
 absl::Status ImplicitMlsSurface::ComputeCurvature(const Context& context) {
   std::vector<double> curvatures(samples_->samples().size());
+  std::vector<float> asymmetries(curvatures.size());
   MESHFRONT_RETURN_IF_ERROR(ParallelFor(curvatures.size(), kGrain, context, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const auto at = static_cast<uint32_t>(i);
       if (samples_->ComponentOf(at) == MlsSamples::kStray) continue;
-      curvatures[i] = MaxCurvatureIn(Evaluate<2>(samples_->samples()[i].position, samples_->PatchOf(at)));
+      const MlsValue<2> value = Evaluate<2, true>(samples_->samples()[i].position, samples_->PatchOf(at));
+      curvatures[i] = MaxCurvatureIn(value);
+      asymmetries[i] = static_cast<float>(std::sqrt(value.asymmetry2.value()));
     }
   }));
   curvatures_ = std::move(curvatures);
+  asymmetries_ = std::move(asymmetries);
   return absl::OkStatus();
 }
 
@@ -90,7 +97,9 @@ double ImplicitMlsSurface::MaxCurvatureAt(const SourcePoint& p) const {
 }
 
 double ImplicitMlsSurface::AsymmetryAt(uint32_t sample) const {
-  return std::sqrt(Evaluate<1>(samples_->samples()[sample].position, samples_->PatchOf(sample)).asymmetry2.value());
+  if (sample < asymmetries_.size()) return asymmetries_[sample];
+  return std::sqrt(
+      Evaluate<1, true>(samples_->samples()[sample].position, samples_->PatchOf(sample)).asymmetry2.value());
 }
 
 SourcePoint ImplicitMlsSurface::AtSample(uint32_t sample) const {

@@ -14,14 +14,15 @@
 
 namespace meshfront {
 
-// f(x) = Σ w_i ½ (n(x) + n_i)·(x − p_i) / Σ w_i, w_i = (1 − |x − p_i|²/h_i²)⁴ and n(x) the direction of Σ w_i n_i: the
+// f(x) = Σ w_i ½ (n(x) + n_i)·(x − p_i) / Σ w_i, w_i = (1 − |x − p_i|²/r_i²)⁴ with r_i the radius of a sample's weight and n(x) the direction of Σ w_i n_i: the
 // half with n(x) is the paper's n(x)·(x − a(x)), which lies inside of a sphere by about h²/12r, the other lies outside
 // by as much.
 class ImplicitMlsSurface final : public PointSurface {
  public:
   explicit ImplicitMlsSurface(std::unique_ptr<MlsSamples> samples);
 
-  // 3 µs a sample and core.
+  // 3 µs a sample and core. Curvatures are those of the surface that all weights would make if they were as wide as the supports: what
+  // bends more is a line between samples, along which shorter edges are of no use.
   absl::Status ComputeCurvature(const Context& context) override;
 
   const MlsSamples& samples() const override { return *samples_; }
@@ -30,7 +31,8 @@ class ImplicitMlsSurface final : public PointSurface {
   SourcePoint AtSample(uint32_t sample) const override;
   MlsValue<1> ValueAt(const Vec3& x, uint32_t patch) const override { return Evaluate<1>(x, patch); }
 
-  template <int kOrder>
+  // `kWide`: with weights as wide as the supports.
+  template <int kOrder, bool kWide = false>
   MlsValue<kOrder> Evaluate(const Vec3& x, uint32_t patch) const;
 
   std::optional<SourcePoint> FindApex(const SourcePoint& a, const SourcePoint& b, double radius_a,
@@ -46,6 +48,7 @@ class ImplicitMlsSurface final : public PointSurface {
 
   std::unique_ptr<MlsSamples> samples_;
   std::vector<double> curvatures_;
+  std::vector<float> asymmetries_;
 };
 
 }  // namespace meshfront

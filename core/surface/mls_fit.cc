@@ -271,7 +271,8 @@ void FindNearSamples(const MlsSamples& samples, const Vec3& x, uint32_t patch, s
   for (const uint32_t i : samples.ListOf(patch)) {
     const MlsSample& s = samples.samples()[i];
     const Vec3 d = s.position - x;
-    if (SquaredNorm(d) * s.inverse_squared_support < kReach2) near.push_back({d, s.inverse_squared_support});
+    const double inverse_squared_support = 1 / (s.support * s.support);
+    if (SquaredNorm(d) * inverse_squared_support < kReach2) near.push_back({d, inverse_squared_support});
   }
 }
 

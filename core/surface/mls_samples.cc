@@ -31,8 +31,9 @@ bool AreLinked(const MlsSample& a, const MlsSample& b) { return Dot(a.normal, b.
 
 absl::StatusOr<std::unique_ptr<MlsSamples>> MlsSamples::Create(absl::Span<const Vec3> positions,
                                                                absl::Span<const Vec3> normals, double radius,
-                                                               const Context& context, size_t neighbours) {
-  return Make(positions, normals, std::vector<double>(positions.size(), 1.0), radius, neighbours, context);
+                                                               const Context& context, size_t neighbours,
+                                                               MlsWeights weights) {
+  return Make(positions, normals, std::vector<double>(positions.size(), 1.0), radius, neighbours, weights, context);
 }
 
 // Smooth in between, so that the surface stays so.
@@ -58,7 +59,7 @@ absl::StatusOr<std::unique_ptr<MlsSamples>> MlsSamples::Widened(absl::Span<const
   }
   for (size_t i = 0; i < widths.size(); ++i)
     widths[i] = std::min(widths[i] * (1 + (factor - 1) * shares[i]), std::max(widths[i], most / radius_));
-  return Make(positions_, normals, widths, radius_, spacing_neighbours_, context);
+  return Make(positions_, normals, widths, radius_, spacing_neighbours_, weights_, context);
 }
 
 absl::StatusOr<std::unique_ptr<MlsSamples>> MlsSamples::With(absl::Span<const Vec3> positions,
@@ -74,13 +75,14 @@ absl::StatusOr<std::unique_ptr<MlsSamples>> MlsSamples::With(absl::Span<const Ve
   }
   all.insert(all.end(), positions.begin(), positions.end());
   all_normals.insert(all_normals.end(), normals.begin(), normals.end());
-  return Make(all, all_normals, widths, radius_, spacing_neighbours_, context);
+  return Make(all, all_normals, widths, radius_, spacing_neighbours_, weights_, context);
 }
 
 absl::StatusOr<std::unique_ptr<MlsSamples>> MlsSamples::Make(absl::Span<const Vec3> positions,
                                                              absl::Span<const Vec3> normals,
                                                              absl::Span<const double> widths, double radius,
-                                                             size_t neighbours, const Context& context) {
+                                                             size_t neighbours, MlsWeights weights,
+                                                             const Context& context) {
   if (positions.size() < kLeastMlsSamples || positions.size() != normals.size()) {
     return absl::InvalidArgumentError(absl::StrCat("the point set has ", positions.size(), " points and ",
                                                    normals.size(), " normals; it must have at least ", kLeastMlsSamples,
@@ -93,6 +95,7 @@ absl::StatusOr<std::unique_ptr<MlsSamples>> MlsSamples::Make(absl::Span<const Ve
   std::unique_ptr<MlsSamples> made(new MlsSamples);
   made->radius_ = radius;
   made->spacing_neighbours_ = neighbours;
+  made->weights_ = weights;
   made->samples_.reserve(positions.size());
   made->positions_.reserve(positions.size());
   const PointTree tree(positions);
@@ -145,8 +148,42 @@ absl::Status MlsSamples::MeasureSpacing(const Context& context) {
     }
   }
   NumberComponents(sets);
-  for (MlsSample& s : samples_) s.inverse_squared_support = s.support > 0 ? 1 / (s.support * s.support) : 0;
+  SetRadii();
   return absl::OkStatus();
+}
+
+// How far off a sample's plane its neighbours lie on average, in parts of the spacing, and of that the root of the mean square among
+// them: where it is clearly more than at most samples, the surface bends there by more than the points are noisy. Not where supports
+// were widened, which somebody had a reason for.
+void MlsSamples::SetRadii() {
+  for (MlsSample& s : samples_) s.inverse_squared_radius = s.support > 0 ? 1 / (s.support * s.support) : 0;
+  if (weights_ == MlsWeights::kWide) return;
+  const size_t n = samples_.size(), k = neighbours_each_;
+  std::vector<double> bends(n, 0), around(n, 0);
+  for (uint32_t i = 0; i < n; ++i) {
+    if (components_[i] == kStray) continue;
+    double height = 0, count = 0;
+    for (size_t at = i * k; at < (i + 1) * k; ++at) {
+      if (!AreLinked(samples_[i], samples_[neighbours_[at]])) continue;
+      height += Dot(samples_[i].normal, positions_[neighbours_[at]] - positions_[i]), count += 1;
+    }
+    if (count > 0) bends[i] = height / (count * SpacingAt(i));
+  }
+  for (size_t i = 0; i < n; ++i) {
+    around[i] = bends[i] * bends[i];
+    for (size_t at = i * k; at < (i + 1) * k; ++at) around[i] += bends[neighbours_[at]] * bends[neighbours_[at]];
+    around[i] = std::sqrt(around[i] / static_cast<double>(k + 1));
+  }
+  std::vector<double> sorted = around;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(n / 2), sorted.end());
+  const double flat = std::max(kLeastSharpBend, kSharpBendPerMedian * sorted[n / 2]);
+  for (size_t i = 0; i < n; ++i) {
+    MlsSample& s = samples_[i];
+    if (!(s.support > 0)) continue;
+    const double share = widths_[i] > 1 ? 0 : std::clamp((around[i] / flat - 1) / kSharpBendRange, 0.0, 1.0);
+    const double radius = (1 - (1 - kNarrowestRadius) * share) * s.support;
+    s.inverse_squared_radius = 1 / (radius * radius);
+  }
 }
 
 void MlsSamples::NumberComponents(UnionFind& sets) {
@@ -299,14 +336,6 @@ uint32_t MlsSamples::PatchNear(const Vec3& x, const Vec3& normal, uint32_t patch
   const uint32_t nearest = NearestLike(x, normal, limit);
   if (nearest != PointTree::kNone) return patch_of_[nearest];
   return patch < patches_.size() ? patch : 0;
-}
-
-double MlsSamples::DistanceToOpposed(uint32_t sample, double limit) const {
-  const MlsSample& s = samples_[sample];
-  const uint32_t found = tree_->FindNearest(s.position, limit * limit, [&](uint32_t i) {
-    return components_[i] != kStray && Dot(samples_[i].normal, s.normal) < kOpposed;
-  });
-  return found == PointTree::kNone ? std::numeric_limits<double>::infinity() : Distance(positions_[found], s.position);
 }
 
 }  // namespace meshfront

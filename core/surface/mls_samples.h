@@ -19,10 +19,14 @@ namespace meshfront {
 
 struct MlsSample {
   Vec3 position, normal;  // unit length
-  double support = 0;     // the radius of its weight; 0: it has none
-  double inverse_squared_support = 0;
+  double support = 0;     // so far it matters, and the radius of its weight where the surface is flat; 0: it has none
+  // 1 / square of the radius of its weight, which is less than the support where the surface bends sharply between samples.
+  double inverse_squared_radius = 0;
 };
 static_assert(sizeof(MlsSample) == 64);  // one cache line
+
+// How wide the weights are: as the supports everywhere, or narrower where the surface bends sharply between samples, which rounds it less.
+enum class MlsWeights { kWide, kNarrowAtEdges };
 
 // Immutable; safe to read from many threads; deterministic at any thread count. Samples are in an order of their own,
 // near ones next to each other. They form *patches* of up to 8 near ones whose normals agree, each with the list of
@@ -36,7 +40,8 @@ class MlsSamples {
   // InvalidArgument: fewer than 4 points, a place or normal that is not finite. 2 µs a point and core.
   static absl::StatusOr<std::unique_ptr<MlsSamples>> Create(absl::Span<const Vec3> positions,
                                                             absl::Span<const Vec3> normals, double radius,
-                                                            const Context& context, size_t neighbours = 12);
+                                                            const Context& context, size_t neighbours = 12,
+                                                            MlsWeights weights = MlsWeights::kWide);
   // The same samples with supports that are wider: by `factor` at the places and less within some supports of them, or
   // everywhere where there are no places; but never wider than `most` spacings.
   absl::StatusOr<std::unique_ptr<MlsSamples>> Widened(absl::Span<const Vec3> places, double factor, double most,
@@ -53,6 +58,7 @@ class MlsSamples {
   double SpacingAt(uint32_t sample) const { return samples_[sample].support / (radius_ * widths_[sample]); }
   double radius() const { return radius_; }
   const Box3& box() const { return tree_->nodes()[0].box; }
+  const PointTree& tree() const { return *tree_; }
 
   uint32_t patch_count() const { return static_cast<uint32_t>(patches_.size()); }
   uint32_t PatchOf(uint32_t sample) const { return patch_of_[sample]; }
@@ -66,8 +72,6 @@ class MlsSamples {
   uint32_t PatchNear(const Vec3& x, const Vec3& normal, uint32_t patch) const;
   // The nearest sample closer than `limit` whose normal agrees with `normal`; PointTree::kNone when none does.
   uint32_t NearestLike(const Vec3& x, const Vec3& normal, double limit = std::numeric_limits<double>::infinity()) const;
-  // The distance to the nearest sample whose normal points the other way, below `limit`; else +infinity.
-  double DistanceToOpposed(uint32_t sample, double limit) const;
 
   // Connected parts: samples are joined to their neighbours within their supports whose normals do not point the other
   // way. Numbered by their first samples. Samples of parts too small for a surface are strays: their support is 0,
@@ -90,8 +94,10 @@ class MlsSamples {
   static absl::StatusOr<std::unique_ptr<MlsSamples>> Make(absl::Span<const Vec3> positions,
                                                           absl::Span<const Vec3> normals,
                                                           absl::Span<const double> widths, double radius,
-                                                          size_t neighbours, const Context& context);
+                                                          size_t neighbours, MlsWeights weights,
+                                                          const Context& context);
   absl::Status MeasureSpacing(const Context& context);
+  void SetRadii();
   void NumberComponents(UnionFind& sets);
   void MakePatches();
   void FindNear(const Patch& patch, const std::vector<double>& reach, std::vector<uint32_t>& near) const;
@@ -100,6 +106,7 @@ class MlsSamples {
 
   double radius_ = 0;
   size_t spacing_neighbours_ = 0;
+  MlsWeights weights_ = MlsWeights::kWide;
   std::vector<MlsSample> samples_;
   std::vector<double> widths_;   // of the supports, in parts of the radius; 1 where nothing was widened
   std::vector<Vec3> positions_;  // the same, as the tree wants them

@@ -29,7 +29,7 @@ struct MlsValue {
 class PointSurface : public Surface {
  public:
   virtual const MlsSamples& samples() const = 0;
-  // The largest absolute principal curvature at each sample, on the context's threads. To be called once.
+  // The largest absolute principal curvature at each sample, on the context's threads; AsymmetryAt is faster after it. To be called once.
   virtual absl::Status ComputeCurvature(const Context& context) = 0;
   virtual absl::Span<const double> curvatures() const = 0;  // none before ComputeCurvature
   // The function at x as the patch's samples have it.

@@ -39,6 +39,8 @@ inline constexpr size_t kMaxFootFaces = 64;
 
 // Two places of a surface face each other when the cosine between their normals is below this.
 inline constexpr double kOpposed = -0.2;
+// Rounding of the product of two unit vectors, with room.
+inline constexpr double kDotSlack = 1e-12;
 // They are different sheets when the way along the surface is longer than this many distances: a limb (π/2) and the walls of a
 // groove wider than 37° (3) are left to the curvature.
 inline constexpr double kOtherSheetDetour = 3;
@@ -77,6 +79,10 @@ inline constexpr double kFarthestPatch = 2;
 inline constexpr double kLinked = -0.85, kMostWayPerSupport = 1.5;
 // Where spacings are measured among more neighbours, parts of fewer than this part of them are no parts.
 inline constexpr size_t kNeighboursPerLeast = 4;
+// A sample's weight is narrower where its neighbours lie off their planes by more than so many times the median, and than this part of
+// the spacing (noise alone has 1.6 times at most); how much more, in parts of that, narrows it to the last of these parts of the support.
+inline constexpr double kSharpBendPerMedian = 1.8, kLeastSharpBend = 0.06, kSharpBendRange = 0.4,
+                        kNarrowestRadius = 0.7;
 // How far around a place supports are widened, in supports.
 inline constexpr double kWidenedReach = 6;
 // Of the support: a step of Newton's method below this is the last, as the next would be its square; and of the residual, how far its

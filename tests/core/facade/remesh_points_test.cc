@@ -155,6 +155,24 @@ TEST(RemeshPoints, SaysThatItTurnsNormals) {
   EXPECT_THAT(sink.mesh(), IsClosedManifold());
 }
 
+// Normals that differ from the surface's by 32 degrees: their sides are used, and the sphere comes out as if they were right.
+TEST(RemeshPoints, UsesOnlyTheSidesOfNormalsThatAreNoise) {
+  TriangleMesh points = Sampled(Icosphere(4), 4000);
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> off(0, 0.5);
+  for (Vec3& n : points.normals) n = Normalized(-1.0 * n + Vec3{off(random), off(random), off(random)});
+  CheckingSink sink;
+  const auto report = RemeshPoints(points, {}, sink);
+  ASSERT_THAT(report, IsOk());
+  EXPECT_TRUE(report->complete);
+  EXPECT_TRUE(Mentions(report->warnings, "only their sides are used"));
+  EXPECT_LT(report->output.triangles, 400u);
+  EXPECT_THAT(sink.mesh(), IsClosedManifold());
+  const Triangle& t = sink.mesh().triangles[0];
+  const Vec3 a = sink.mesh().PositionAt(t[0]), b = sink.mesh().PositionAt(t[1]), c = sink.mesh().PositionAt(t[2]);
+  EXPECT_LT(Dot(Cross(b - a, c - a), a), 0);  // inward, as the normals given are
+}
+
 TEST(RemeshPoints, SeesPastNoise) {
   CheckingSink sink;
   const auto report = RemeshPoints(NoisySphere(6000, 0.05), {}, sink);

@@ -1,6 +1,7 @@
 // Winding numbers of closed, overlapping and open meshes.
 #include "core/mesh/winding_number.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "gtest/gtest.h"
@@ -31,6 +32,24 @@ TEST(WindingNumber, IsAPartOfOneBesideAnOpenMesh) {
   EXPECT_NEAR(WindingNumber(half).At({0, 0, 0}), 0.5, 0.02);
   EXPECT_GT(WindingNumber(half).At({0, 0, 0.95}), 0.8);
   EXPECT_NEAR(WindingNumber(half).At({0, 0, 1.02}), 0, 0.2);
+}
+
+// A fine ball and a coarse one around a part of it, whose faces are of very different sizes: the quick answer is the careful one.
+TEST(WindingNumber, TellsQuicklyWhatIsAboveAThreshold) {
+  const TriangleMesh mesh =
+      testing::Joined(testing::Icosphere(5), testing::Moved(testing::Scaled(testing::Icosphere(1), 2), {1.5, 0, 0}));
+  const WindingNumber winding(mesh);
+  int above = 0, below = 0;
+  for (double x = -2; x <= 4; x += 0.21) {
+    for (double y = -2; y <= 2; y += 0.23) {
+      for (const double threshold : {0.7, 1.5}) {
+        const Vec3 place{x, y, 0.05};
+        EXPECT_EQ(winding.IsAbove(place, threshold), winding.At(place) > threshold) << x << " " << y;
+        ++(winding.At(place) > threshold ? above : below);
+      }
+    }
+  }
+  EXPECT_GT(std::min(above, below), 100);
 }
 
 }  // namespace

@@ -178,9 +178,44 @@ TEST(MlsSamples, AreTheSameAtAnyNumberOfThreads) {
   const TriangleMesh points = testing::Sampled(testing::Torus(1, 0.4, 60, 24), 5000);
   Context many;
   many.threads = 4;
-  const auto one = MlsSamples::Create(points.positions, points.normals, 4, Context{});
+  const auto one = MlsSamples::Create(points.positions, points.normals, 4, Context{}, 12, MlsWeights::kNarrowAtEdges);
   const auto four = MlsSamples::Create(points.positions, points.normals, 4, many);
   for (uint32_t p = 0; p < (*one)->patch_count(); ++p) EXPECT_EQ((*one)->ListOf(p), (*four)->ListOf(p));
+}
+
+// The ridge of a roof: with weights as wide as the supports the surface rounds it by a fifth more.
+TEST(ImplicitMls, StaysNearASharpEdge) {
+  const TriangleMesh points =
+      testing::Sampled(testing::HeightField(8, [](double x, double) { return -std::abs(x); }), 4000);
+  auto samples = MlsSamples::Create(points.positions, points.normals, 4, Context{}, 12, MlsWeights::kNarrowAtEdges);
+  ASSERT_TRUE(samples.ok());
+  auto widened = (*samples)->Widened({}, 1.0001, 16, Context{});
+  ASSERT_TRUE(widened.ok());
+  const ImplicitMlsSurface narrow(*std::move(samples)), wide(*std::move(widened));
+  const auto rounding = [](const ImplicitMlsSurface& surface) {
+    double sum = 0;
+    for (double y = -0.6; y <= 0.6; y += 0.05) {
+      const uint32_t nearest = surface.samples().NearestLike({0, y, 0}, {0, 0, 1});
+      sum += Distance(surface.Snap(surface.AtSample(nearest), {0, y, 0}).position, {0, y, 0});
+    }
+    return sum;
+  };
+  EXPECT_LT(rounding(narrow), 0.9 * rounding(wide));
+}
+
+// Sizes follow the bend that supports see, however narrow weights are.
+TEST(ImplicitMls, BendsAsSupportsSeeIt) {
+  const TriangleMesh points =
+      testing::Sampled(testing::HeightField(8, [](double x, double) { return -std::abs(x); }), 4000);
+  auto samples = MlsSamples::Create(points.positions, points.normals, 4, Context{}, 12, MlsWeights::kNarrowAtEdges);
+  ASSERT_TRUE(samples.ok());
+  auto widened = (*samples)->Widened({}, 1.0001, 16, Context{});
+  ASSERT_TRUE(widened.ok());
+  ImplicitMlsSurface narrow(*std::move(samples)), wide(*std::move(widened));
+  ASSERT_TRUE(narrow.ComputeCurvature(Context{}).ok());
+  ASSERT_TRUE(wide.ComputeCurvature(Context{}).ok());
+  for (size_t i = 0; i < points.positions.size(); ++i)
+    EXPECT_NEAR(narrow.curvatures()[i], wide.curvatures()[i], 0.01 * wide.curvatures()[i] + 0.01);
 }
 
 }  // namespace

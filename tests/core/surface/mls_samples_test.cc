@@ -1,6 +1,7 @@
 #include "core/surface/mls_samples.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "gtest/gtest.h"
 #include "tests/support/matchers.h"
@@ -11,7 +12,8 @@ namespace {
 
 std::unique_ptr<MlsSamples> SamplesOf(const TriangleMesh& mesh) {
   const TriangleMesh points = Sampled(mesh, 2000);
-  absl::StatusOr<std::unique_ptr<MlsSamples>> samples = MlsSamples::Create(points.positions, points.normals, 4, {});
+  absl::StatusOr<std::unique_ptr<MlsSamples>> samples =
+      MlsSamples::Create(points.positions, points.normals, 4, {}, 12, MlsWeights::kNarrowAtEdges);
   EXPECT_THAT(samples, IsOk());
   return samples.ok() ? *std::move(samples) : nullptr;
 }
@@ -37,6 +39,42 @@ TEST(MlsSamples, TakeMoreSamplesWithTheSupportsOfThoseBeside) {
   EXPECT_EQ((*more)->samples().size(), samples->samples().size() + 2);
   for (uint32_t i = 0; i < (*more)->samples().size(); ++i)
     EXPECT_NEAR((*more)->samples()[i].support, 6 * (*more)->SpacingAt(i), 1e-9);
+}
+
+double RadiusPerSupport(const MlsSample& s) { return 1 / (std::sqrt(s.inverse_squared_radius) * s.support); }
+
+// A roof of two planes that meet at a right angle along the y axis: weights are narrow along the ridge, and nowhere else.
+TEST(MlsSamples, HaveNarrowWeightsAtASharpEdgeOnly) {
+  const auto samples = SamplesOf(HeightField(8, [](double x, double) { return -std::abs(x); }));
+  ASSERT_NE(samples, nullptr);
+  int narrow = 0;
+  for (const MlsSample& s : samples->samples()) {
+    const double away = std::abs(s.position.x) * std::sqrt(2.0) / (s.support / 4);  // spacings
+    if (away < 0.5) EXPECT_LT(RadiusPerSupport(s), 0.75);
+    if (away > 5) EXPECT_NEAR(RadiusPerSupport(s), 1, 1e-9);
+    narrow += away < 0.5;
+  }
+  EXPECT_GT(narrow, 20);
+}
+
+// Points that lie off a sphere all over are no edges.
+TEST(MlsSamples, HaveWideWeightsInNoise) {
+  TriangleMesh points = Sampled(Icosphere(4), 4000);
+  points = WithNoise(points, 0.6 * std::sqrt(4 * M_PI / 4000), 3);
+  const auto samples = MlsSamples::Create(points.positions, points.normals, 4, {}, 12, MlsWeights::kNarrowAtEdges);
+  ASSERT_THAT(samples, IsOk());
+  int narrow = 0;
+  for (const MlsSample& s : (*samples)->samples()) narrow += RadiusPerSupport(s) < 0.99;
+  EXPECT_LE(narrow, 40);
+}
+
+// Where supports were widened they stay as wide.
+TEST(MlsSamples, HaveWideWeightsWhereTheyWereWidened) {
+  const auto samples = SamplesOf(HeightField(8, [](double x, double) { return -std::abs(x); }));
+  ASSERT_NE(samples, nullptr);
+  const auto wide = samples->Widened({}, 1.01, 16, {});
+  ASSERT_THAT(wide, IsOk());
+  for (const MlsSample& s : (*wide)->samples()) EXPECT_NEAR(RadiusPerSupport(s), 1, 1e-9);
 }
 
 }  // namespace
