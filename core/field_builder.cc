@@ -443,7 +443,8 @@ absl::StatusOr<FieldBuilder::Line> FieldBuilder::FindNear(const SizedField& size
 // The field of the count that is nearest to `count` among those of the line's values.
 absl::StatusOr<SizedField> FieldBuilder::Approach(uint64_t count, const Line& line, const Context& context) {
   const double target = static_cast<double>(count);
-  CountSearch search(std::log(target), line.exponent, line.slope, std::log(line.largest));
+  const auto begin = [&] { return CountSearch(std::log(target), line.exponent, line.slope, std::log(line.largest)); };
+  CountSearch search = begin();
   const auto error_of = [&](const SizedField& sized) { return std::abs(sized.predicted_triangles / target - 1); };
   double value = line.first, nearest = value, least_error = kInfinity;
   MESHFRONT_ASSIGN_OR_RETURN(SizedField whole, BuildOn(line, value, nullptr, context));
@@ -454,8 +455,11 @@ absl::StatusOr<SizedField> FieldBuilder::Approach(uint64_t count, const Line& li
     if (error < least_error) least_error = error, nearest = value;
     if (error <= kCountTolerance && (!near || error_of(whole) <= kNear)) return std::move(last);
     if (error <= kCountTolerance) {
+      const double told = last.predicted_triangles;
       MESHFRONT_ASSIGN_OR_RETURN(whole, BuildOn(line, value, nullptr, context));
       near.reset();
+      // Counted from a field so far off that nothing it told since holds.
+      if (std::abs(whole.predicted_triangles / told - 1) > kNear) search = begin(), least_error = kInfinity;
       continue;
     }
     const double next = search.Next(std::log(value), std::log(last.predicted_triangles));

@@ -138,7 +138,9 @@ TEST(FillHoles, FillsRaggedHolesThatTouch) {
     all += holes.filled + holes.left_open.size(), open += holes.left_open.size();
     EXPECT_THAT(mesh, IsManifold()) << seed;
     EXPECT_THAT(mesh, HasNoSelfIntersection()) << seed;
-    if (holes.left_open.empty()) EXPECT_THAT(mesh, HasBoundaryLoops(1)) << seed;
+    if (holes.left_open.empty()) {
+      EXPECT_THAT(mesh, HasBoundaryLoops(1)) << seed;
+    }
   }
   EXPECT_GT(pinched, 3u);
   EXPECT_EQ(open, 0u) << "of " << all;

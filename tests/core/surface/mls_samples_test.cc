@@ -50,8 +50,12 @@ TEST(MlsSamples, HaveNarrowWeightsAtASharpEdgeOnly) {
   int narrow = 0;
   for (const MlsSample& s : samples->samples()) {
     const double away = std::abs(s.position.x) * std::sqrt(2.0) / (s.support / 4);  // spacings
-    if (away < 0.5) EXPECT_LT(RadiusPerSupport(s), 0.75);
-    if (away > 5) EXPECT_NEAR(RadiusPerSupport(s), 1, 1e-9);
+    if (away < 0.5) {
+      EXPECT_LT(RadiusPerSupport(s), 0.75);
+    }
+    if (away > 5) {
+      EXPECT_NEAR(RadiusPerSupport(s), 1, 1e-9);
+    }
     narrow += away < 0.5;
   }
   EXPECT_GT(narrow, 20);
