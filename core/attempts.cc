@@ -139,8 +139,10 @@ bool WasSoup(const Preparation& p) {
   });
 }
 
-// So few are predicted that all are held, compared, and made again where they are wrong.
-bool IsSmall(const Preparation& p) { return p.predicted_triangles <= static_cast<double>(kHeldInAnyCase); }
+// So few are predicted, or wanted of those, that all are held, compared, and made again where they are wrong.
+bool IsSmall(const Preparation& p) {
+  return p.is_least_count || p.predicted_triangles <= static_cast<double>(kHeldInAnyCase);
+}
 
 // Shells closer to each other than their input's edges are long: no front keeps apart all over what those keep.
 bool HasSheetsTooClose(const Preparation& p) { return !p.points && p.builder->ShareTooClose() > kManyTooClose; }

@@ -59,7 +59,7 @@ bool HasOtherTopology(const TopologyReport& output, const TopologyReport& input)
 // Advances the fronts of a preparation into the sink, as AdvanceFront does, with its errors. Results with creases, or with rims that
 // lie close to something (close_curves.h), or on ground where one edge in 200 turns sharply, or of inputs that were no surface before
 // repair or whose sheets are closer than their edges can be short, are held back up to 524,288 triangles or 8 for each face of the input,
-// those with other rims up to 6,000, and wholly those of a region and those of which up to 6,000 are predicted. While nothing went on they are made again, at most six times: where creases were not to be
+// those with other rims up to 6,000, and wholly those of a region and those of which up to 6,000 are predicted, 50,000 where fewer are wanted than any field makes. While nothing went on they are made again, at most six times: where creases were not to be
 // kept, with those of more than 40 degrees; where the topology is not the input's, or there are more than 1,000 faults, with an eta of 1.2
 // if it was larger; where there are fewer, with edges half as long around them, up to three times and not on such ground; then with the
 // input's faces cut loose around the faults (loose_faces.h), unless a shortest edge is asked for; and up to three times for as many more or

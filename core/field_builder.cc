@@ -41,7 +41,8 @@ constexpr double kLeastForWidth = 1.0 / 16;
 // it is not seen, but would be the finest place of the mesh, as where a wedge ends.
 constexpr double kNarrowestWidth = 2e-3;
 constexpr double kCountTolerance = 0.004;  // an eighth of what is promised of the real count
-constexpr double kReachable = 0.01;        // farther from the count than this, at the end of the range, it is refused
+constexpr double kReachable = 0.01;  // farther from the count than this the end of the range is tried otherwise …
+constexpr double kRefusable = 0.03;  // … and than this it is refused: what is promised of a count
 constexpr int kMaxSteps = 24;
 constexpr int kMaxProbeSteps = 8;
 constexpr double kProbeTolerance = 0.01;  // counts on a part of the faces are off by more
@@ -484,8 +485,8 @@ absl::StatusOr<SizedField> FieldBuilder::BuildForCount(uint64_t count, const Con
   is_counting_ = true;
   detail_ = longest_edge_ = 0;
   const double target = static_cast<double>(count);
-  const auto is_reached = [&](const SizedField& sized) {
-    return std::abs(sized.predicted_triangles / target - 1) <= kReachable;
+  const auto is_reached = [&](const SizedField& sized, double tolerance = kReachable) {
+    return std::abs(sized.predicted_triangles / target - 1) <= tolerance;
   };
   const bool uniform = limits_.sizing == Sizing::kUniform;
   const double exponent = ExponentOf(Sizing::kUniform);
@@ -504,8 +505,9 @@ absl::StatusOr<SizedField> FieldBuilder::BuildForCount(uint64_t count, const Con
     const Line longest{first, limits_.max_edge, exponent, kGradedPart * exponent, Along::kLongest, sized.parameter};
     MESHFRONT_ASSIGN_OR_RETURN(sized, Approach(count, longest, context));
   }
-  sized.is_least = !is_reached(sized) && sized.predicted_triangles > target && !limits_.max_edge_given;
-  if (!is_reached(sized) && !sized.is_least) return Unreachable(count, sized.predicted_triangles);
+  sized.is_least = !is_reached(sized) && sized.predicted_triangles > target && !limits_.max_edge_given &&
+                   sized.predicted_triangles <= kMostThinned;
+  if (!is_reached(sized, kRefusable) && !sized.is_least) return Unreachable(count, sized.predicted_triangles);
   detail_ = sized.detail, longest_edge_ = sized.longest;
   return sized;
 }

@@ -30,6 +30,9 @@ struct SizingLimits {
   const RegionBlend* blend = nullptr;  // towards the border of that part; outlives the builder
 };
 
+// Where the fewest that a field makes are up to so many, fewer come of them by taking some out again (thinning.h); else they are refused.
+inline constexpr double kMostThinned = 50000;
+
 struct SizedField {
   GuidanceField field;
   double parameter = 0;            // rho, max_error or edge_length, absolute

@@ -205,7 +205,7 @@ absl::StatusOr<SizedField> PointFieldBuilder::BuildForCount(uint64_t count, cons
   }
   const bool is_more = sized.predicted_triangles > static_cast<double>(count);
   sized.is_least = std::abs(sized.predicted_triangles / static_cast<double>(count) - 1) > kReachable && is_more &&
-                   !limits_.max_edge_given;
+                   !limits_.max_edge_given && sized.predicted_triangles <= kMostThinned;
   if (sized.is_least || std::abs(sized.predicted_triangles / static_cast<double>(count) - 1) <= kReachable)
     return sized;
   return absl::InvalidArgumentError(

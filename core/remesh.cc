@@ -181,7 +181,8 @@ void WarnOfFaults(const Attempt& attempt, double scale, Report& report) {
   if (attempt.own_components > 0) {
     report.warnings.push_back(absl::StrCat(attempt.own_components, " of ", report.input.topology.components,
                                            " components are the input's own faces (", attempt.own_faces,
-                                           "), since no mesh of them came out whole and without self-intersection"));
+                                           attempt.thinned_from > 0 ? ", of which some were taken out again)" : ")",
+                                           ", since no mesh of them came out whole and without self-intersection"));
   }
 }
 
@@ -232,16 +233,17 @@ void WarnOfSizes(const Preparation& p, const Attempt& attempt, Report& report) {
   const auto triangles = static_cast<double>(made);
   const auto wanted = static_cast<double>(report.parameters.target_triangles);
   if (wanted > 0 && std::abs(triangles / wanted - 1) > kCountPromise) {
-    report.warnings.push_back(
-        absl::StrCat(made, " triangles instead of the ", report.parameters.target_triangles, " of target_triangles: ",
-                     attempt.thinned_from > 0 ? "creases, rims, topology and what lies close allow no fewer"
-                     : triangles > wanted     ? "with fewer it did not come out whole, or they can't be predicted well"
-                                              : "they can't be predicted well here; ask for somewhat more"));
+    report.warnings.push_back(absl::StrCat(
+        made, " triangles instead of the ", report.parameters.target_triangles, " of target_triangles: ",
+        attempt.thinned_from > 0 ? (triangles > wanted ? "creases, rims, topology and what lies close allow no fewer"
+                                                       : "one that goes takes another along")
+        : triangles > wanted     ? "with fewer it did not come out whole, or they can't be predicted well"
+                                 : "they can't be predicted well here; ask for somewhat more"));
   }
   if (attempt.thinned_from > 0) {
-    report.warnings.push_back(
-        absl::StrCat("so few triangles are less than a front takes here: they are what is left of ",
-                     attempt.thinned_from, ", and neither as round nor graded as by eta"));
+    report.warnings.push_back(absl::StrCat(
+        "the front made ", attempt.thinned_from, " triangles, of which some were taken out again: what is ",
+        "left is neither as round nor as near to the surface, nor graded as by eta"));
   }
   if (!report.parameters.options.edge_length || wanted > 0 || p.region || p.points || !(p.parameter > 0)) return;
   const double of_length = TrianglesOfLength(*p.surface, p.parameter);

@@ -44,8 +44,9 @@ struct RemeshOptions {
   std::optional<Length> max_error;
   std::optional<Length> edge_length;  // the median edge; only with Sizing::kUniform, which needs it or target_triangles
   // Solves for the one parameter of the sizing (rho, max_error or edge_length, which must not be set then; rho's value is
-  // ignored) so that about this many triangles come out, ≥ 4. Where no parameter makes so few, down to 6,000, of more some are taken out;
-  // where flat faces take too few, edges are kept shorter (ParametersInForce::max_edge).
+  // ignored) so that about this many triangles come out, ≥ 4. Where none makes so few, but one up to 50,000, some of those are taken
+  // out again, unless they are of a region or max_edge is given; where flat faces take too few, edges are kept shorter
+  // (ParametersInForce::max_edge).
   std::optional<uint64_t> target_triangles;
   // Levels of detail: the rho of each, growing, at most 16; with Sizing::kAngle and Sizing::kThickness and without target_triangles
   // and region. For RemeshLevels alone. Empty: one mesh with `rho`, whose value is ignored else.

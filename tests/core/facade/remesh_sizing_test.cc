@@ -114,6 +114,12 @@ TEST(Counts, PutNoFlatTrianglesOnCreases) {
   EXPECT_GT(out.report.quality.radius_ratio_min, 0.5);
 }
 
+// Many that are flat lie between two edges of a rim or a crease: p0.5 is .779 where their sides are not turned.
+TEST(Counts, TurnSidesAwayFromCreases) {
+  const Outcome out = RemeshOrFail(CappedCylinder(1, 2, 60, 10), Counting(Sizing::kError, 4000));
+  EXPECT_GT(out.report.quality.radius_ratio_p0_5, 0.79);
+}
+
 // Nothing divides a crease once its edges are made. 14 facets meet the caps in corners of 26 degrees: one was cut off by 3.7 bounds.
 TEST(Counts, CutOffNoCornersOfCreases) {
   const TriangleMesh shape = CappedCylinder(1, 1, 14, 8);
@@ -231,6 +237,19 @@ TEST(TargetTriangles, AreNotSpentOnPeaksNarrowerThanTheEdges) {
   for (size_t v = 0; v < rough.positions.size(); v += 150) rough.positions[v] = 1.05 * rough.positions[v];
   const Outcome out = RemeshOrFail(rough, Counting(Sizing::kError, 1500));
   EXPECT_LT(out.report.parameters.options.max_error->value, 0.0125);  // 0.0144 where each peak has its own curvature
+}
+
+// A plate so thin that by its thickness no front makes fewer than some 7,000: those that are too many go again. What takes more than 50,000 is refused.
+TEST(TargetTriangles, AreMetWhereTheFrontMakesManyMore) {
+  if (!kFine) GTEST_SKIP() << "a minute where every step is checked";
+  const Outcome out = RemeshOrFail(Extruded(Sheet(10), 0.06), Counting(Sizing::kThickness, 1200));
+  EXPECT_NEAR(static_cast<double>(out.report.output.triangles), 1200, 36);
+  EXPECT_TRUE(out.report.output.closed);
+  EXPECT_GT(out.report.predicted_triangles, 6000u) << "another shape is needed for this";
+  EXPECT_THAT(out.report.warnings, ::testing::ElementsAre(HasSubstr("of which some were taken out again")));
+  CollectingSink sink;
+  EXPECT_THAT(Remesh({Extruded(Sheet(10), 0.02), Counting(Sizing::kThickness, 1200)}, sink, {}),
+              StatusIs(kInvalid, "at least"));
 }
 
 TEST(TargetTriangles, AreMetAgainByTheParameterThatWasSolvedFor) {
