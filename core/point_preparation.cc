@@ -127,7 +127,9 @@ absl::StatusOr<std::optional<Preparation>> PrepareSharpPoints(const TriangleMesh
                                                               Preparation& p, const Context& context) {
   Stopwatch watch;
   const RemeshOptions& options = p.parameters.options;
-  const auto is_estimate = [](const RepairAction& action) { return action.what == "estimated_normals"; };
+  const auto is_estimate = [](const RepairAction& action) {
+    return action.what == "estimated_normals" || action.what == "replaced_normals";
+  };
   const bool are_estimated = std::any_of(p.input.repairs.begin(), p.input.repairs.end(), is_estimate);
   MESHFRONT_ASSIGN_OR_RETURN(
       std::optional<SharpMesh> sharp,

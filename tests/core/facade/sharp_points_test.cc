@@ -68,6 +68,19 @@ double FarthestCorner(const TriangleMesh& mesh) {
   return farthest;
 }
 
+// Of normals that are noise only the sides are taken: the planes' own tell where the edges are, as of points that have none.
+TEST(SharpPoints, KeepEdgesWhereTheirNormalsAreNoise) {
+  TriangleMesh points = Sampled(Cube(1), 8000);
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> off(0, 0.4);
+  for (Vec3& n : points.normals) n = Normalized(n + Vec3{off(random), off(random), off(random)});
+  CheckingSink sink;
+  const auto report = RemeshSharp(points, sink);
+  ExpectWhole(report, sink);
+  EXPECT_THAT(report->warnings, Contains(HasSubstr(kFound)));
+  EXPECT_LT(FarthestCorner(sink.mesh()), 8e-3);
+}
+
 TEST(SharpPoints, KeepTheEdgesAndCornersOfACube) {
   CheckingSink sink;
   const auto report = RemeshSharp(Sampled(Cube(1), 6000), sink);
