@@ -139,10 +139,10 @@ bool WasSoup(const Preparation& p) {
   });
 }
 
-// So few are predicted, or wanted of those, that all are held, compared, and made again where they are wrong.
-bool IsSmall(const Preparation& p) {
-  return p.is_least_count || p.predicted_triangles <= static_cast<double>(kHeldInAnyCase);
-}
+// So few are predicted that all are held, compared, and made again where they are wrong.
+bool AreFewPredicted(const Preparation& p) { return p.predicted_triangles <= static_cast<double>(kHeldInAnyCase); }
+// … or wanted of those.
+bool IsSmall(const Preparation& p) { return p.is_least_count || AreFewPredicted(p); }
 
 // Shells closer to each other than their input's edges are long: no front keeps apart all over what those keep.
 bool HasSheetsTooClose(const Preparation& p) { return !p.points && p.builder->ShareTooClose() > kManyTooClose; }
@@ -403,7 +403,7 @@ absl::StatusOr<Attempt> AdvanceInAttempts(Preparation& p, MeshSink& sink, const 
   double samples_seen = 0;
   const bool is_small = IsSmall(p) && !p.region;
   const bool is_thinned = is_small && wanted > 0;
-  Remedy remedy(p, is_small);
+  Remedy remedy(p, AreFewPredicted(p) && !p.region);
   uint64_t tried = 0;  // triangles
   for (int number = 1;; ++number) {
     MESHFRONT_ASSIGN_OR_RETURN(Attempt attempt, MakeAttempt(p,

@@ -1,7 +1,7 @@
 // 1. a quadric for each vertex: the planes of its triangles, and planes upright on its feature edges     (AddQuadrics)
 // 2. a queue of ways from a vertex to a neighbour, the cheapest first                                   (Push)
 // 3. the next way, if what it makes is allowed (IsAllowed): topology, then shape, then what lies near    (Collapse)
-// 4. where the queue is empty too early, again with less asked of shapes
+// 4. where the queue is empty too early, again with less asked of shapes, and then with more that a way may cost
 // Vertices stay where they are, unlike in Garland and Heckbert's method: they lie on the surface, and a place of least error does not.
 // Rejected: a coarser field. Where it asks for edges longer than the surface allows to walk over, fronts are taken back again and again,
 // and make the more triangles the fewer are wanted.
@@ -31,6 +31,8 @@ struct Shape {
   double least_fold;   // cosine between the normals of neighbours
 };
 constexpr Shape kShapes[] = {{0.4, -0.5}, {0.2, -0.5}, {0.05, -0.9}, {0.005, -0.99}};
+// How much a way may cost, in parts of the mean squared edge: less is asked of shapes before more is lost of the surface.
+constexpr double kCostLimits[] = {1e-3, 1e-2, 0.1, 1, 10, std::numeric_limits<double>::infinity()};
 // A new triangle's normal against that of the one in whose place it is.
 constexpr double kMinNormalCosine = 0.0;
 // What a way costs for its length alone, in parts of its square; and what a bad shape multiplies that by at most.
@@ -39,7 +41,7 @@ constexpr double kLeastRatioInCost = 0.02;
 // The weight of planes upright on feature edges against those of the triangles there.
 constexpr double kFeatureWeight = 4;
 // Triangles that changed since the tree was built are looked at one by one; beyond so many, and a part of all, it is built again.
-constexpr size_t kMostChanged = 256, kTriangleSharesChanged = 8;
+constexpr size_t kMostChanged = 256, kTriangleSharesChanged = 64;
 constexpr uint32_t kUnnamed = 0xffffffffu;
 constexpr size_t kStopInterval = 64;  // collapses between two looks at the context
 
@@ -89,18 +91,11 @@ class Thinning {
   }
 
   absl::StatusOr<uint64_t> Run(uint64_t most_triangles, const Context& context) {
-    for (const Shape& shape : kShapes) {
-      shape_ = shape;
-      for (uint32_t v = 0; v < around_.size(); ++v) PushFrom(v);
-      while (alive_ > most_triangles && !queue_.empty()) {
-        const Way way = queue_.top();
-        queue_.pop();
-        if (way.stamp != stamps_[way.from] || !IsAllowed(way.from, way.to)) continue;
-        Collapse(way.from, way.to);
-        if (++collapses_ % kStopInterval == 0) MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
+    const double unit = MeanSquaredEdge();
+    for (const double limit : kCostLimits) {
+      for (const Shape& shape : kShapes) {
+        if (alive_ > most_triangles) MESHFRONT_RETURN_IF_ERROR(TakeOut(most_triangles, limit * unit, shape, context));
       }
-      queue_ = {};
-      if (alive_ <= most_triangles) break;
     }
     Compact();
     return alive_;
@@ -112,6 +107,29 @@ class Thinning {
     uint32_t triangles[2];
     int count = 0;
   };
+
+  double MeanSquaredEdge() const {
+    double sum = 0;
+    for (const Corners& c : mesh_.triangles) {
+      for (int i = 0; i < 3; ++i) sum += SquaredDistance(positions_[c[i].index()], positions_[c[(i + 1) % 3].index()]);
+    }
+    return sum / (3 * static_cast<double>(std::max<size_t>(mesh_.triangles.size(), 1)));
+  }
+
+  // Ways up to a cost, whose triangles have a shape.
+  absl::Status TakeOut(uint64_t most_triangles, double most_cost, const Shape& shape, const Context& context) {
+    shape_ = shape;
+    queue_ = {};
+    for (uint32_t v = 0; v < around_.size(); ++v) PushFrom(v);
+    while (alive_ > most_triangles && !queue_.empty() && queue_.top().cost <= most_cost) {
+      const Way way = queue_.top();
+      queue_.pop();
+      if (way.stamp != stamps_[way.from] || !IsAllowed(way.from, way.to)) continue;
+      Collapse(way.from, way.to);
+      if (++collapses_ % kStopInterval == 0) MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
+    }
+    return absl::OkStatus();
+  }
 
   Corners& CornersOf(uint32_t t) { return mesh_.triangles[t]; }
   Vec3 AreaOf(const Corners& c) const {
@@ -295,6 +313,15 @@ class Thinning {
     return std::none_of(made_.begin(), made_.end(), [&](const auto& made) { return MeetsAny(made.second); });
   }
 
+  bool IsNear(const Corners& c, const Box3& box) const {
+    const Vec3 &p = positions_[c[0].index()], &q = positions_[c[1].index()], &r = positions_[c[2].index()];
+    const auto is_apart = [&](double Vec3::*axis) {
+      return std::min({p.*axis, q.*axis, r.*axis}) > box.max.*axis ||
+             std::max({p.*axis, q.*axis, r.*axis}) < box.min.*axis;
+    };
+    return !is_apart(&Vec3::x) && !is_apart(&Vec3::y) && !is_apart(&Vec3::z);
+  }
+
   bool MeetsAny(const Corners& c) const {
     Box3 box;
     for (const VertexId v : c) box.Extend(positions_[v.index()]);
@@ -306,7 +333,9 @@ class Thinning {
       if (!is_changed_[f.index()]) look(f.index());
       return !found;
     });
-    for (const uint32_t t : changed_) look(t);
+    for (const uint32_t t : changed_) {
+      if (IsNear(mesh_.triangles[t], box)) look(t);
+    }
     return found;
   }
 
