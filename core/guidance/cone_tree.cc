@@ -57,6 +57,43 @@ size_t SplitAtMedian(absl::Span<Item> items) {
   return half;
 }
 
+// Of a search: what is left to be looked at.
+class Waiting {
+ public:
+  // On to the most promising child of a node below the limit, if there is one; the others wait. Without branches: which of the four stay
+  // can't be foretold.
+  inline bool Descend(const uint32_t* children, const double* bounds, double limit, uint32_t& at) {
+    double lowest = limit;
+    int first = count_;
+    for (int i = 0; i < ConeBlock::kLanes; ++i) {
+      parts_[count_] = {bounds[i], children[i]};
+      first = bounds[i] < lowest ? count_ : first;
+      lowest = bounds[i] < lowest ? bounds[i] : lowest;
+      count_ += bounds[i] < limit;
+    }
+    if (!(lowest < limit)) return false;
+    at = parts_[first].child;
+    parts_[first] = parts_[--count_];
+    return true;
+  }
+  // The next one below the limit. False: there is none.
+  inline bool Next(double limit, uint32_t& at) {
+    do {
+      if (count_ == 0) return false;
+      --count_;
+    } while (!(parts_[count_].bound < limit));
+    at = parts_[count_].child;
+    return true;
+  }
+
+ private:
+  struct {
+    double bound;
+    uint32_t child;
+  } parts_[kMaxWaiting];
+  int count_ = 0;
+};
+
 }  // namespace
 
 ConeTree::ConeTree(std::vector<Cone> cones, double slope, int leaf_size)
@@ -173,11 +210,7 @@ inline double ConeTree::MinOfLeaf(const Leaf& leaf, const Vec3& x) const {
 // that turns up.
 MESHFRONT_WIDE double ConeTree::SearchBelow(uint32_t root, uint32_t skipped_lane, const Vec3& x, double limit,
                                             bool first_hit) const {
-  struct {
-    double bound;
-    uint32_t child;
-  } waiting[kMaxWaiting];
-  int count = 0;
+  Waiting waiting;
   double best = kInfinity;
   uint32_t at = root;
   while (true) {
@@ -190,26 +223,9 @@ MESHFRONT_WIDE double ConeTree::SearchBelow(uint32_t root, uint32_t skipped_lane
       BoundChildren(nodes_[at], x, bounds);
       if (skipped_lane != kNoLane) bounds[skipped_lane] = kInfinity;
       skipped_lane = kNoLane;
-      // On to the most promising child; the others wait. Without branches: which of the four stay can't be foretold.
-      double lowest = limit;
-      int first = count;
-      for (int i = 0; i < kLanes; ++i) {
-        waiting[count] = {bounds[i], nodes_[at].child[i]};
-        first = bounds[i] < lowest ? count : first;
-        lowest = bounds[i] < lowest ? bounds[i] : lowest;
-        count += bounds[i] < limit;
-      }
-      if (lowest < limit) {
-        at = waiting[first].child;
-        waiting[first] = waiting[--count];
-        continue;
-      }
+      if (waiting.Descend(nodes_[at].child, bounds, limit, at)) continue;
     }
-    do {
-      if (count == 0) return best;
-      --count;
-    } while (!(waiting[count].bound < limit));
-    at = waiting[count].child;
+    if (!waiting.Next(limit, at)) return best;
   }
 }
 
@@ -224,11 +240,7 @@ MESHFRONT_WIDE bool ConeTree::Gather(const Vec3& center, double radius, double l
   if (nodes_.empty()) return true;
   const double window = 2 * slope_ * radius;
   double lowest_of[ConePatch::kCapacity];
-  struct {
-    double bound;
-    uint32_t child;
-  } waiting[kMaxWaiting];
-  int count = 0;
+  Waiting waiting;
   uint32_t at = 0;
   while (true) {
     if (at & kLeafBit) {
@@ -250,34 +262,17 @@ MESHFRONT_WIDE bool ConeTree::Gather(const Vec3& center, double radius, double l
     } else {
       double bounds[kLanes];
       BoundChildren(nodes_[at], center, bounds);
-      double lowest = limit;
-      int first = count;
-      for (int i = 0; i < kLanes; ++i) {
-        waiting[count] = {bounds[i], nodes_[at].child[i]};
-        first = bounds[i] < lowest ? count : first;
-        lowest = bounds[i] < lowest ? bounds[i] : lowest;
-        count += bounds[i] < limit;
-      }
-      if (lowest < limit) {
-        at = waiting[first].child;
-        waiting[first] = waiting[--count];
-        continue;
-      }
+      if (waiting.Descend(nodes_[at].child, bounds, limit, at)) continue;
     }
-    do {
-      if (count == 0) {
-        int kept = 0;
-        for (int i = 0; i < patch.blocks; ++i) {
-          patch.block[kept] = patch.block[i];
-          kept += lowest_of[i] < limit;
-        }
-        patch.blocks = kept;
-        return true;
-      }
-      --count;
-    } while (!(waiting[count].bound < limit));
-    at = waiting[count].child;
+    if (!waiting.Next(limit, at)) break;
   }
+  int kept = 0;
+  for (int i = 0; i < patch.blocks; ++i) {
+    patch.block[kept] = patch.block[i];
+    kept += lowest_of[i] < limit;
+  }
+  patch.blocks = kept;
+  return true;
 }
 
 MESHFRONT_WIDE double ConeTree::MinOf(const ConePatch& patch, const Vec3& x) const {

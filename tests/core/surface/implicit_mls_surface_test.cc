@@ -183,15 +183,23 @@ TEST(MlsSamples, AreTheSameAtAnyNumberOfThreads) {
   for (uint32_t p = 0; p < (*one)->patch_count(); ++p) EXPECT_EQ((*one)->ListOf(p), (*four)->ListOf(p));
 }
 
+TriangleMesh Roof() {
+  return testing::Sampled(testing::HeightField(8, [](double x, double) { return -std::abs(x); }), 4000);
+}
+
+std::unique_ptr<MlsSamples> SamplesNarrowAtEdges(const TriangleMesh& points) {
+  auto samples = MlsSamples::Create(points.positions, points.normals, 4, Context{}, 12, MlsWeights::kNarrowAtEdges);
+  EXPECT_TRUE(samples.ok());
+  return *std::move(samples);
+}
+
 // The ridge of a roof: with weights as wide as the supports the surface rounds it by a fifth more.
 TEST(ImplicitMls, StaysNearASharpEdge) {
-  const TriangleMesh points =
-      testing::Sampled(testing::HeightField(8, [](double x, double) { return -std::abs(x); }), 4000);
-  auto samples = MlsSamples::Create(points.positions, points.normals, 4, Context{}, 12, MlsWeights::kNarrowAtEdges);
-  ASSERT_TRUE(samples.ok());
-  auto widened = (*samples)->Widened({}, 1.0001, 16, Context{});
+  const TriangleMesh points = Roof();
+  auto samples = SamplesNarrowAtEdges(points);
+  auto widened = samples->Widened({}, 1.0001, 16, Context{});
   ASSERT_TRUE(widened.ok());
-  const ImplicitMlsSurface narrow(*std::move(samples)), wide(*std::move(widened));
+  const ImplicitMlsSurface narrow(std::move(samples)), wide(*std::move(widened));
   const auto rounding = [](const ImplicitMlsSurface& surface) {
     double sum = 0;
     for (double y = -0.6; y <= 0.6; y += 0.05) {
@@ -205,13 +213,11 @@ TEST(ImplicitMls, StaysNearASharpEdge) {
 
 // Sizes follow the bend that supports see, however narrow weights are.
 TEST(ImplicitMls, BendsAsSupportsSeeIt) {
-  const TriangleMesh points =
-      testing::Sampled(testing::HeightField(8, [](double x, double) { return -std::abs(x); }), 4000);
-  auto samples = MlsSamples::Create(points.positions, points.normals, 4, Context{}, 12, MlsWeights::kNarrowAtEdges);
-  ASSERT_TRUE(samples.ok());
-  auto widened = (*samples)->Widened({}, 1.0001, 16, Context{});
+  const TriangleMesh points = Roof();
+  auto samples = SamplesNarrowAtEdges(points);
+  auto widened = samples->Widened({}, 1.0001, 16, Context{});
   ASSERT_TRUE(widened.ok());
-  ImplicitMlsSurface narrow(*std::move(samples)), wide(*std::move(widened));
+  ImplicitMlsSurface narrow(std::move(samples)), wide(*std::move(widened));
   ASSERT_TRUE(narrow.ComputeCurvature(Context{}).ok());
   ASSERT_TRUE(wide.ComputeCurvature(Context{}).ok());
   for (size_t i = 0; i < points.positions.size(); ++i)
