@@ -56,6 +56,39 @@ TEST_P(TightFit, ComesOutWhole) {
 
 INSTANTIATE_TEST_SUITE_P(Gaps, TightFit, Combine(Values(0.05, 0.03, 0.01), Values(1.0, 1.5)));
 
+// How much of the result was made when the first of it was handed on.
+double PartMadeAtFirst(const TriangleMesh& mesh) {
+  struct FirstSink : CollectingSink {
+    absl::Status Append(const MeshPiece& piece) override {
+      if (this->mesh.triangles.empty()) at_first = made;
+      return CollectingSink::Append(piece);
+    }
+    uint64_t made = 0, at_first = 0;
+  } sink;
+  Context context;
+  context.progress = [&](const Progress& progress) { sink.made = progress.triangles; };
+  Problem problem{mesh, {}};
+  problem.options.sizing = Sizing::kUniform;
+  problem.options.edge_length = Length{0.025, false};
+  problem.options.crease_angle.reset();
+  EXPECT_THAT(Remesh(std::move(problem), sink, context), IsOk());
+  return static_cast<double>(sink.at_first) / static_cast<double>(sink.mesh.triangles.size());
+}
+
+// A fin of two sheets that meet at an angle of 0.02 in long edges, of which no crease is made: what comes out is held until it is
+// known to fit. With a sphere beside it it is so small a part that nothing else would have it held.
+TEST(Attempts, HoldWhatFoldsBack) {
+  const auto finned = [](double half_width) {
+    const TriangleMesh sheet = Mapped(Sheet(20), [half_width](const Vec3& p) {
+      const double x = p.x < 0.05 ? p.x : p.x - 0.2, on_fin = std::max(0.0, 0.1 - std::abs(p.x - 0.1));
+      return p.x > -0.05 && p.x < 0.25 ? Vec3{half_width * (p.x - 0.1) / 0.1, p.y, on_fin} : Vec3{x, p.y, 0};
+    });
+    return Joined(sheet, Moved(Scaled(Icosphere(5), 0.3), {3, 0, 0}));
+  };
+  EXPECT_LT(PartMadeAtFirst(finned(0.1)), 0.9) << "another shape is needed for this";
+  EXPECT_GT(PartMadeAtFirst(finned(0.001)), 0.95);
+}
+
 // Predictions are of surfaces; what edges along creases add is found out by trying.
 TEST(Attempts, BringTheCountWithinThreePercentWhereCreasesAre) {
   const TriangleMesh cylinder = CappedCylinder(1, 3, 96, 32), plate = PlateWithRoundHole(), lens = Lens(0.3);

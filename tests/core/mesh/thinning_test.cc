@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <map>
 #include <tuple>
 #include <utility>
 
 #include "core/geometry/triangle.h"
+#include "core/mesh/distance.h"
 #include "core/mesh/topology.h"
 #include "tests/support/matchers.h"
 #include "tests/support/shapes.h"
@@ -148,6 +150,22 @@ TEST(Thinning, StopsWhenItIsCancelled) {
   Context context;
   context.stop = &stop;
   EXPECT_FALSE(ThinOut(100, piece, context).ok());
+}
+
+// Round triangles alone would cost fins and bumps: 0.51 and 0.72 off where all of them go before any that is less round.
+TEST(Thinning, AsksLessOfShapesBeforeMoreIsLostOfTheSurface) {
+  const TriangleMesh finned =
+      Mapped(Icosphere(5), [](const Vec3& p) { return (1 + std::exp(-30 * p.x * p.x - 200 * p.y * p.y)) * p; });
+  const TriangleMesh bumpy = Mapped(Icosphere(5), [](const Vec3& p) {
+    return (1 + 0.4 * std::sin(4 * p.x) * std::sin(4 * p.y + 1) * std::sin(4 * p.z + 2)) * p;
+  });
+  for (const TriangleMesh& mesh : {finned, bumpy}) {
+    const TriangleMesh thin = Thinned(mesh, 60);
+    EXPECT_EQ(thin.triangles.size(), 60u);
+    const absl::StatusOr<DistanceReport> distance = MeasureDistance(thin, mesh, {}, Context{});
+    ASSERT_THAT(distance, IsOk());
+    EXPECT_LT(distance->SymmetricMax(), 0.35);
+  }
 }
 
 }  // namespace
