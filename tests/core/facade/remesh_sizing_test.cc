@@ -218,7 +218,8 @@ TEST(SizingByThickness, SolvesForACount) {
   const Outcome out = RemeshOrFail(testing::Extruded(testing::Sheet(10), 0.1), Counting(Sizing::kThickness, 5000));
   EXPECT_NEAR(static_cast<double>(out.report.output.triangles) / 5000, 1, 0.03);
   EXPECT_GT(out.report.parameters.options.rho, 0.1);
-  EXPECT_THAT(out.report.warnings, ::testing::IsEmpty()) << "the parameter makes so many, and none need be taken out again";
+  EXPECT_THAT(out.report.warnings, ::testing::IsEmpty())
+      << "the parameter makes so many, and none need be taken out again";
 }
 
 TEST(TargetTriangles, SayInTheReportWhatWasSolvedFor) {

@@ -128,7 +128,7 @@ TEST(MissedPlaces, AreWhatNoTrianglePassesOver) {
 
 // Shells much closer to each other than any edge is long, of more triangles than are held in any case.
 TEST(CloseShells, AreMadeAgainWhereTheFrontMixesThemUp) {
-  const TriangleMesh shells = ConcentricShells(4, 0.9985);
+  const TriangleMesh shells = ConcentricShells(3, 0.998);
   ASSERT_THAT(shells, HasNoSelfIntersection());
   RemeshOptions options;
   options.rho = 0.3;

@@ -152,6 +152,52 @@ TEST(Thinning, StopsWhenItIsCancelled) {
   EXPECT_FALSE(ThinOut(100, piece, context).ok());
 }
 
+// Three vertices around a tube: drawn together along one of the rings' edges, its two ends would touch.
+TEST(Thinning, KeepsTubesOpenThatAreThreeEdgesAround) {
+  const TriangleMesh tube = Torus(1, 0.3, 40, 3);
+  for (const uint64_t most : {4u, 60u, 150u}) {
+    const TriangleMesh thin = Thinned(tube, most);
+    EXPECT_THAT(thin, IsClosedManifold());
+    EXPECT_EQ(MeasureTopology(thin).genus, 1);
+  }
+}
+
+// A seam along y = 0 on whose sides only its ends, on the rim, have two wedges, above and below: the vertex between them, which has one,
+// can't become either.
+TEST(Thinning, DrawsNoVertexOntoTwoWedges) {
+  const TriangleMesh sheet = Sheet(2);
+  const auto vertices = static_cast<uint32_t>(sheet.positions.size());
+  HeldPiece piece = PieceOf(sheet, false);
+  for (uint32_t w = 0; w < 2 * vertices; ++w)
+    piece.wedges.push_back({w % vertices, w < vertices ? 0.0 : 1.0, 0, {0, 0, 1}});
+  const auto is_below = [](const TriangleMesh& mesh, uint32_t t) {
+    const Triangle& c = mesh.triangles[t];
+    return (mesh.PositionAt(c[0]) + mesh.PositionAt(c[1]) + mesh.PositionAt(c[2])).y < 0;
+  };
+  const auto is_end = [](const Vec3& p) { return std::abs(p.x) == 1 && p.y == 0; };
+  for (uint32_t t = 0; t < sheet.triangles.size(); ++t) {
+    CornerWedges corners;
+    for (int i = 0; i < 3; ++i) {
+      const VertexId v = sheet.triangles[t][i];
+      corners[i] = v.index() + (is_end(sheet.PositionAt(v)) && is_below(sheet, t) ? vertices : 0);
+    }
+    piece.corners.push_back(corners);
+    piece.faces.push_back(t);
+  }
+  ASSERT_THAT(ThinOut(2, piece, Context{}), IsOk());
+  const TriangleMesh thin = MeshOf(piece);
+  EXPECT_LT(thin.triangles.size(), sheet.triangles.size());
+  int at_ends = 0;
+  for (uint32_t t = 0; t < thin.triangles.size(); ++t) {
+    for (int i = 0; i < 3; ++i) {
+      if (!is_end(thin.PositionAt(thin.triangles[t][i]))) continue;
+      EXPECT_EQ(piece.wedges[piece.corners[t][i]].u == 1, is_below(thin, t)) << "triangle " << t;
+      ++at_ends;
+    }
+  }
+  EXPECT_GE(at_ends, 4);
+}
+
 // Round triangles alone would cost fins and bumps: 0.51 and 0.72 off where all of them go before any that is less round.
 TEST(Thinning, AsksLessOfShapesBeforeMoreIsLostOfTheSurface) {
   const TriangleMesh finned =
