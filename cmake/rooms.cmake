@@ -1,3 +1,11 @@
+option(MESHFRONT_ASSERTIONS "Let core check its invariants in a build type that does without (NDEBUG)" OFF)
+# core alone: gRPC's headers must agree about NDEBUG with the library that they belong to.
+function(meshfront_check_invariants target)
+  if(MESHFRONT_ASSERTIONS)
+    target_compile_options(${target} PRIVATE -UNDEBUG)
+  endif()
+endfunction()
+
 # meshfront_room(NAME DEPENDS room... LINK library...): the object library meshfront_NAME from every .cc in core/NAME.
 # A room that holds headers only becomes an interface library. ROOM_CLOSURE of the target lists it and all rooms below it:
 # linking an object library brings its own objects only, so an executable names the closure (meshfront_link_rooms).
@@ -14,6 +22,7 @@ function(meshfront_room name)
   if(sources)
     add_library(meshfront_${name} OBJECT ${sources})
     target_link_libraries(meshfront_${name} PUBLIC meshfront_options ${ROOM_DEPENDS} ${ROOM_LINK})
+    meshfront_check_invariants(meshfront_${name})
     list(LENGTH sources files)
     if(files GREATER 5)  # else the header takes as long to compile as it saves
       meshfront_precompile(meshfront_${name} <algorithm> <array> <cmath> <functional> <memory> <optional> <string> <vector>

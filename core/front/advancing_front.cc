@@ -53,6 +53,7 @@ constexpr double kFocusPerArea = 1.4;  // what the edges of an area look at reac
 constexpr size_t kWorthAFocus = 6;     // edges to search a connection for
 constexpr double kGoodEar =
     0.45;  // pseudo-angle (ClockwiseTurn) of 39°: an edge whose ear is this good is not searched at once
+[[maybe_unused]] constexpr size_t kSlotsPerCheckedStep = 64;  // of the front set, in builds with assertions
 constexpr int kStepsBetweenChecks = 64;   // of the stop flag and the clock: well under a millisecond
 constexpr size_t kMinSettleBatch = 3000;  // triangles, before the window is worth a sweep
 // Stage of kStrictness that hardly looks at normals and may fold the mesh: taken only where closing and rolling back have failed.
@@ -369,12 +370,21 @@ bool AdvancingFront::OpenArea() {
 absl::Status AdvancingFront::AdvanceArea() {
   Agenda::Entry entry;
   int until_check = 1;
+#ifndef NDEBUG
+  size_t until_violation = 1;  // of steps: a check costs what they cost, however large the window
+#endif
   while (agenda_.Pop(entry)) {
     if (--until_check == 0) {
       MESHFRONT_RETURN_IF_ERROR(context_.CheckStop());
       until_check = kStepsBetweenChecks;
     }
     Step(entry);
+#ifndef NDEBUG
+    if (--until_violation > 0) continue;
+    if (const char* violation = fronts_.FindViolation())
+      std::fprintf(stderr, "front set: %s\n", violation), std::abort();
+    until_violation = 1 + (fronts_.edge_slots() + fronts_.triangle_slots()) / kSlotsPerCheckedStep;
+#endif
   }
   return absl::OkStatus();
 }
@@ -391,9 +401,6 @@ void AdvancingFront::Step(const Agenda::Entry& entry) {
       MakeConnection(entry.edge);
       break;
   }
-#ifndef NDEBUG
-  if (const char* violation = fronts_.FindViolation()) std::fprintf(stderr, "front set: %s\n", violation), std::abort();
-#endif
 }
 
 bool AdvancingFront::TryFree(FrontEdgeId edge) {

@@ -187,7 +187,7 @@ class FrontSet {
   template <class Visitor>
   bool VisitFan(WindowVertexId v, const Visitor& visit) const;
 
-  // First violation of the invariant, or nothing. O(window): for tests and debug builds.
+  // First violation of the invariant, or nothing. O(window): for tests and builds with assertions.
   const char* FindViolation() const;
 
  private:

@@ -69,7 +69,7 @@ double PartMadeAtFirst(const TriangleMesh& mesh) {
   context.progress = [&](const Progress& progress) { sink.made = progress.triangles; };
   Problem problem{mesh, {}};
   problem.options.sizing = Sizing::kUniform;
-  problem.options.edge_length = Length{0.025, false};
+  problem.options.edge_length = Length{0.04, false};
   problem.options.crease_angle.reset();
   EXPECT_THAT(Remesh(std::move(problem), sink, context), IsOk());
   return static_cast<double>(sink.at_first) / static_cast<double>(sink.mesh.triangles.size());
@@ -83,7 +83,7 @@ TEST(Attempts, HoldWhatFoldsBack) {
       const double x = p.x < 0.05 ? p.x : p.x - 0.2, on_fin = std::max(0.0, 0.1 - std::abs(p.x - 0.1));
       return p.x > -0.05 && p.x < 0.25 ? Vec3{half_width * (p.x - 0.1) / 0.1, p.y, on_fin} : Vec3{x, p.y, 0};
     });
-    return Joined(sheet, Moved(Scaled(Icosphere(5), 0.3), {3, 0, 0}));
+    return Joined(sheet, Moved(Scaled(Icosphere(4), 0.3), {3, 0, 0}));
   };
   EXPECT_LT(PartMadeAtFirst(finned(0.1)), 0.9) << "another shape is needed for this";
   EXPECT_GT(PartMadeAtFirst(finned(0.001)), 0.95);
