@@ -22,10 +22,13 @@ bool IsSameFace(const TriangleMesh& a, const Triangle& s, const TriangleMesh& b,
   return false;
 }
 
-uint64_t BytesOf(const TriangleMesh& mesh) {
-  return mesh.positions.size() * sizeof(Vec3) + mesh.triangles.size() * sizeof(Triangle) +
-         mesh.face_origins.size() * sizeof(uint32_t) + mesh.attributes.values.size() * sizeof(float) +
-         mesh.attributes.corners.size() * sizeof(CornerWedges) + mesh.attributes.groups.size() * sizeof(uint32_t);
+// With the origins of its faces.
+uint64_t BytesOfMesh(const PreparedInput::Size& size) {
+  return size.vertices * sizeof(Vec3) + size.triangles * (sizeof(Triangle) + sizeof(uint32_t)) + size.attribute_bytes;
+}
+
+uint64_t BytesOfAdjacency(uint64_t vertices, uint64_t triangles) {
+  return triangles * sizeof(FaceAdjacency().opposite[0]) + vertices * sizeof(uint32_t);
 }
 
 }  // namespace
@@ -90,10 +93,20 @@ void PreparedInput::CompareWithInput() {
   }
 }
 
+PreparedInput::Size PreparedInput::SizeOf(const TriangleMesh& mesh) {
+  const MeshAttributes& a = mesh.attributes;
+  return {
+      mesh.positions.size(), mesh.triangles.size(),
+      a.values.size() * sizeof(float) + a.corners.size() * sizeof(CornerWedges) + a.groups.size() * sizeof(uint32_t)};
+}
+
+uint64_t PreparedInput::LeastBytes(const Size& size) {
+  return sizeof(PreparedInput) + BytesOfMesh(size) + BytesOfAdjacency(size.vertices, size.triangles) +
+         size.triangles * sizeof(uint32_t);  // of its components
+}
+
 uint64_t PreparedInput::bytes() const {
-  return sizeof(*this) + BytesOf(mesh_) + (input_ ? BytesOf(*input_) : 0) +
-         adjacency_.opposite.size() * sizeof(adjacency_.opposite[0]) + adjacency_.outgoing.size() * sizeof(uint32_t) +
-         components_.label.size() * sizeof(uint32_t) + is_changed_.size() / 8;
+  return LeastBytes(SizeOf(mesh_)) + (input_ ? BytesOfMesh(SizeOf(*input_)) : 0) + is_changed_.size() / 8;
 }
 
 }  // namespace meshfront

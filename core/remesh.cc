@@ -390,10 +390,11 @@ class RegionOutlets : public MeshSink {
   std::optional<RegionSink> to_whole_;
 };
 
-// The caller's, and Problem.whole.
+// The caller's, Problem.whole and Problem.admit.
 struct Sinks {
   MeshSink& caller;
   MeshSink* whole = nullptr;
+  std::function<absl::Status(uint64_t)> admit = nullptr;
 };
 
 // From a preparation to the report, `start` being when it began. Nothing, and nothing was handed on: more faces of the region are `left`
@@ -401,6 +402,8 @@ struct Sinks {
 absl::StatusOr<std::optional<Report>> RemeshPrepared(Preparation& p, const Sinks& sinks, Clock::time_point start,
                                                      LeftFaces* left, const Context& context) {
   const double prepared = SecondsSince(start);
+  const auto predicted = static_cast<uint64_t>(std::min(p.predicted_triangles, 1e18));
+  if (sinks.admit && !p.is_least_count) MESHFRONT_RETURN_IF_ERROR(sinks.admit(predicted));
   std::optional<RegionOutlets> joined;
   std::optional<TeeSink> both;
   MeshSink* next = &sinks.caller;
@@ -409,7 +412,6 @@ absl::StatusOr<std::optional<Report>> RemeshPrepared(Preparation& p, const Sinks
   else if (sinks.whole != nullptr)
     next = &both.emplace(sinks.caller, *sinks.whole);
   OutgoingSink outgoing(*next, p, start);
-  const auto predicted = static_cast<uint64_t>(std::min(p.predicted_triangles, 1e18));
   HoldingSink kept(outgoing, joined ? std::numeric_limits<uint64_t>::max() : 0);
   MESHFRONT_ASSIGN_OR_RETURN(const Attempt attempt,
                              AdvanceInAttempts(p, joined ? static_cast<MeshSink&>(kept) : outgoing, context));
@@ -475,7 +477,7 @@ void WarnOfLeftFaces(const LeftFaces& left, Report& report) {
 // In rounds, each of a smaller region where the one before has faults. What comes before the surroundings is made once.
 absl::StatusOr<Report> RemeshRegion(Problem problem, MeshSink& sink, Clock::time_point start, const Context& context) {
   const Problem again{{}, problem.options, problem.region, nullptr, problem.features};
-  const Sinks sinks{sink, problem.whole};
+  const Sinks sinks{sink, problem.whole, problem.admit};
   LeftFaces left;
   for (;;) {
     MESHFRONT_ASSIGN_OR_RETURN(Preparation p, Prepare(std::move(problem), context, left.is_left));
@@ -496,7 +498,7 @@ absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& co
   if (!problem.options.lod_rhos.empty())
     return absl::InvalidArgumentError("options.lod_rhos is set; levels of detail are what RemeshLevels makes");
   if (problem.region) return RemeshRegion(std::move(problem), sink, start, context);
-  const Sinks sinks{sink, problem.whole};
+  const Sinks sinks{sink, problem.whole, problem.admit};
   MESHFRONT_ASSIGN_OR_RETURN(Preparation p, Prepare(std::move(problem), context));
   MESHFRONT_ASSIGN_OR_RETURN(std::optional<Report> report, RemeshPrepared(p, sinks, start, nullptr, context));
   return *std::move(report);
@@ -508,8 +510,8 @@ absl::Status RemeshLevels(Problem problem, LevelSink& sink, const Context& conte
   Clock::time_point start = Clock::now();
   const std::vector<double> rhos = problem.options.lod_rhos;
   if (rhos.empty()) return absl::InvalidArgumentError("options.lod_rhos is empty; it must hold the rho of each level");
-  if (problem.whole != nullptr)
-    return absl::InvalidArgumentError("problem.whole is set beside options.lod_rhos; it takes one mesh");
+  if (problem.whole != nullptr || problem.admit)
+    return absl::InvalidArgumentError("problem.whole or admit is set beside options.lod_rhos; it takes one mesh");
   MESHFRONT_ASSIGN_OR_RETURN(Preparation p, Prepare(std::move(problem), context));
   const LevelStart first(p);
   for (size_t level = 0; level < rhos.size(); ++level) {
