@@ -44,8 +44,8 @@ absl::StatusOr<std::shared_ptr<const PreparedInput>> PreparedInput::Create(Trian
   mesh.face_origins.resize(mesh.triangles.size());
   std::iota(mesh.face_origins.begin(), mesh.face_origins.end(), 0u);
   if (repair) {
-    prepared->input_ = mesh;
-    MESHFRONT_ASSIGN_OR_RETURN(RepairResult repaired, RepairMeshAsOriented(std::move(mesh), context));
+    MESHFRONT_ASSIGN_OR_RETURN(RepairResult repaired,
+                               RepairMeshAsOriented(std::move(mesh), context, &prepared->input_));
     prepared->mesh_ = std::move(repaired.mesh);
     prepared->adjacency_ = std::move(repaired.adjacency);
     prepared->repairs_ = std::move(repaired.actions);
@@ -55,9 +55,8 @@ absl::StatusOr<std::shared_ptr<const PreparedInput>> PreparedInput::Create(Trian
     prepared->adjacency_ = CreateAdjacency(mesh);
     prepared->mesh_ = std::move(mesh);
   }
-  prepared->topology_ = MeasureTopology(prepared->mesh_, prepared->adjacency_);
-  prepared->diagonal_ = BoundingBox(prepared->mesh_).Diagonal();
   prepared->MeasureComponents();
+  prepared->topology_ = MeasureTopology(prepared->mesh_, prepared->adjacency_, prepared->components_.count);
   if (prepared->input_) prepared->CompareWithInput();
   return prepared;
 } catch (const std::exception&) {
@@ -73,10 +72,13 @@ TriangleMesh PreparedInput::Input() const {
 void PreparedInput::MeasureComponents() {
   components_ = LabelComponents(adjacency_);
   std::vector<Box3> boxes(components_.count);
-  for (size_t f = 0; f < mesh_.triangles.size(); ++f) {
-    for (const VertexId v : mesh_.triangles[f]) boxes[components_.label[f]].Extend(mesh_.PositionAt(v));
+  Box3 all;
+  for (size_t v = 0; v < mesh_.positions.size(); ++v) {
+    const uint32_t h = adjacency_.outgoing[v];
+    if (h != kNoHalfEdge) boxes[components_.label[h / 3]].Extend(mesh_.positions[v]);
   }
-  for (const Box3& box : boxes) component_diagonals_.push_back(box.Diagonal());
+  for (const Box3& box : boxes) all.Extend(box), component_diagonals_.push_back(box.Diagonal());
+  diagonal_ = all.Diagonal();
 }
 
 void PreparedInput::CompareWithInput() {

@@ -371,7 +371,7 @@ class RegionOutlets : public MeshSink {
   // `whole` may be null. All but `border`, which is copied, outlive the outlets.
   RegionOutlets(MeshSink& sink, MeshSink* whole, const RegionParts& parts, std::vector<uint32_t> border)
       : border_(std::move(border)), to_caller_(sink, {.rest = !parts.patch_only}, border_, parts) {
-    if (whole != nullptr) to_whole_.emplace(*whole, RegionSink::Wanted{.normals = false}, border_, parts);
+    if (whole != nullptr) to_whole_.emplace(*whole, RegionSink::Wanted{.details = false}, border_, parts);
   }
 
   absl::Status SendRest() {
