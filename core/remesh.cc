@@ -32,6 +32,8 @@ constexpr double kManyMore = 1.5;  // triangles than edges of the length that wa
 constexpr uint64_t kLargeResult = 10000;
 constexpr uint64_t kManyPerInput = 4;
 constexpr double kManyPerCurvature = 2;
+// Triangles between edges that differ so much where they meet have a 2r/R of 0.1 or less, as a few needles of CAD parts do.
+constexpr double kUnevenBorder = 20;
 constexpr double kMinMlsRadius = 2, kMaxMlsRadius = 16;
 
 using Clock = std::chrono::steady_clock;
@@ -306,6 +308,13 @@ void ReportRegion(Preparation& p, const FrontReport& front, Report& report) {
   if (report.region) report.region->new_triangles = front.triangles;
   if (!p.region) return;
   const RegionParts& parts = *p.region;
+  const UnevenBorder border = MostUnevenBorder(parts);
+  if (border.ratio > kUnevenBorder) {
+    report.warnings.push_back(absl::StrCat(
+        "edges of the region's border, which stay, differ ", std::llround(border.ratio), " times in length where they ",
+        "meet, the most at (", border.place.x, ", ", border.place.y, ", ", border.place.z,
+        "): new triangles there are as narrow, of a region that ends elsewhere they need not be"));
+  }
   if (parts.changed_outside == 0 && parts.dropped_outside == 0) return;
   report.warnings.push_back(absl::StrCat("repair changed ", parts.changed_outside,
                                          " faces outside of the region, and dropped ", parts.dropped_outside,

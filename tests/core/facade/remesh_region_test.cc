@@ -424,6 +424,19 @@ TEST(Region, LeavesFacesAsTheyAreWhereNoMeshComesOutRight) {
   }
 }
 
+// Narrow columns among wide ones, cut across: edges of 0.1 and 0.004 meet on the border.
+TEST(Region, WarnsWhereEdgesOfTheBorderDiffer) {
+  const auto warnings_of = [](const TriangleMesh& mesh) {
+    return RemeshRegion(mesh, {Box3{{-9, -0.5, -1}, {9, 0.5, 1}}}).report.warnings;
+  };
+  EXPECT_THAT(warnings_of(testing::Sheet(32)), ::testing::Not(Contains(HasSubstr("differ"))));
+  const TriangleMesh strips = testing::Mapped(testing::Sheet(32), [](const Vec3& p) {
+    const double column = std::round((p.x + 1) * 16), pair = std::floor(column / 2);
+    return Vec3{pair * 0.104 + (column > 2 * pair ? 0.004 : 0.0), p.y, p.z};
+  });
+  EXPECT_THAT(warnings_of(strips), Contains(HasSubstr("differ 25 times in length")));
+}
+
 // With attributes and without; where a mesh had to be mended the one that came is there as well.
 TEST(PreparedInput, TakesTheMemoryThatWasForeseen) {
   TriangleMesh ball = testing::Icosphere(2);
