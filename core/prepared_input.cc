@@ -22,10 +22,13 @@ bool IsSameFace(const TriangleMesh& a, const Triangle& s, const TriangleMesh& b,
   return false;
 }
 
-uint64_t BytesOf(const TriangleMesh& mesh) {
-  return mesh.positions.size() * sizeof(Vec3) + mesh.triangles.size() * sizeof(Triangle) +
-         mesh.face_origins.size() * sizeof(uint32_t) + mesh.attributes.values.size() * sizeof(float) +
-         mesh.attributes.corners.size() * sizeof(CornerWedges) + mesh.attributes.groups.size() * sizeof(uint32_t);
+// With the origins of its faces.
+uint64_t BytesOfMesh(const PreparedInput::Size& size) {
+  return size.vertices * sizeof(Vec3) + size.triangles * (sizeof(Triangle) + sizeof(uint32_t)) + size.attribute_bytes;
+}
+
+uint64_t BytesOfAdjacency(uint64_t vertices, uint64_t triangles) {
+  return triangles * sizeof(FaceAdjacency().opposite[0]) + vertices * sizeof(uint32_t);
 }
 
 }  // namespace
@@ -41,8 +44,8 @@ absl::StatusOr<std::shared_ptr<const PreparedInput>> PreparedInput::Create(Trian
   mesh.face_origins.resize(mesh.triangles.size());
   std::iota(mesh.face_origins.begin(), mesh.face_origins.end(), 0u);
   if (repair) {
-    prepared->input_ = mesh;
-    MESHFRONT_ASSIGN_OR_RETURN(RepairResult repaired, RepairMeshAsOriented(std::move(mesh), context));
+    MESHFRONT_ASSIGN_OR_RETURN(RepairResult repaired,
+                               RepairMeshAsOriented(std::move(mesh), context, &prepared->input_));
     prepared->mesh_ = std::move(repaired.mesh);
     prepared->adjacency_ = std::move(repaired.adjacency);
     prepared->repairs_ = std::move(repaired.actions);
@@ -52,9 +55,8 @@ absl::StatusOr<std::shared_ptr<const PreparedInput>> PreparedInput::Create(Trian
     prepared->adjacency_ = CreateAdjacency(mesh);
     prepared->mesh_ = std::move(mesh);
   }
-  prepared->topology_ = MeasureTopology(prepared->mesh_, prepared->adjacency_);
-  prepared->diagonal_ = BoundingBox(prepared->mesh_).Diagonal();
   prepared->MeasureComponents();
+  prepared->topology_ = MeasureTopology(prepared->mesh_, prepared->adjacency_, prepared->components_.count);
   if (prepared->input_) prepared->CompareWithInput();
   return prepared;
 } catch (const std::exception&) {
@@ -70,10 +72,13 @@ TriangleMesh PreparedInput::Input() const {
 void PreparedInput::MeasureComponents() {
   components_ = LabelComponents(adjacency_);
   std::vector<Box3> boxes(components_.count);
-  for (size_t f = 0; f < mesh_.triangles.size(); ++f) {
-    for (const VertexId v : mesh_.triangles[f]) boxes[components_.label[f]].Extend(mesh_.PositionAt(v));
+  Box3 all;
+  for (size_t v = 0; v < mesh_.positions.size(); ++v) {
+    const uint32_t h = adjacency_.outgoing[v];
+    if (h != kNoHalfEdge) boxes[components_.label[h / 3]].Extend(mesh_.positions[v]);
   }
-  for (const Box3& box : boxes) component_diagonals_.push_back(box.Diagonal());
+  for (const Box3& box : boxes) all.Extend(box), component_diagonals_.push_back(box.Diagonal());
+  diagonal_ = all.Diagonal();
 }
 
 void PreparedInput::CompareWithInput() {
@@ -90,10 +95,20 @@ void PreparedInput::CompareWithInput() {
   }
 }
 
+PreparedInput::Size PreparedInput::SizeOf(const TriangleMesh& mesh) {
+  const MeshAttributes& a = mesh.attributes;
+  return {
+      mesh.positions.size(), mesh.triangles.size(),
+      a.values.size() * sizeof(float) + a.corners.size() * sizeof(CornerWedges) + a.groups.size() * sizeof(uint32_t)};
+}
+
+uint64_t PreparedInput::LeastBytes(const Size& size) {
+  return sizeof(PreparedInput) + BytesOfMesh(size) + BytesOfAdjacency(size.vertices, size.triangles) +
+         size.triangles * sizeof(uint32_t);  // of its components
+}
+
 uint64_t PreparedInput::bytes() const {
-  return sizeof(*this) + BytesOf(mesh_) + (input_ ? BytesOf(*input_) : 0) +
-         adjacency_.opposite.size() * sizeof(adjacency_.opposite[0]) + adjacency_.outgoing.size() * sizeof(uint32_t) +
-         components_.label.size() * sizeof(uint32_t) + is_changed_.size() / 8;
+  return LeastBytes(SizeOf(mesh_)) + (input_ ? BytesOfMesh(SizeOf(*input_)) : 0) + is_changed_.size() / 8;
 }
 
 }  // namespace meshfront

@@ -43,6 +43,14 @@ class PreparedInput {
   const std::vector<uint32_t>& dropped_faces() const { return dropped_faces_; }
   // Memory that it takes, about.
   uint64_t bytes() const;
+  // What a mesh is large by.
+  struct Size {
+    uint64_t vertices = 0, triangles = 0;
+    uint64_t attribute_bytes = 0;
+  };
+  static Size SizeOf(const TriangleMesh& mesh);
+  // What bytes() of a mesh of this size, all of whose vertices are used, will be, or more where something is repaired.
+  static uint64_t LeastBytes(const Size& size);
 
  private:
   PreparedInput() = default;

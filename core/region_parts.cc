@@ -1,6 +1,9 @@
 #include "core/region_parts.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
 #include <utility>
 
 #include "core/geometry/box.h"
@@ -143,6 +146,33 @@ std::vector<uint32_t> BorderOf(const RegionParts& parts, const MeshSurface& regi
     border.push_back(parts.around_vertices[parts.around->OriginalOf(around)]);
   }
   return border;
+}
+
+UnevenBorder MostUnevenBorder(const RegionParts& parts) {
+  const TriangleMesh& mesh = parts.whole();
+  const FaceAdjacency& adjacency = parts.input->adjacency();
+  struct Lengths {
+    double shortest2 = std::numeric_limits<double>::infinity(), longest2 = 0;
+  };
+  std::map<VertexId, Lengths> at;
+  for (const uint32_t f : parts.chosen_faces) {
+    for (uint32_t h = 3 * f; h < 3 * f + 3; ++h) {
+      const uint32_t across = adjacency.OppositeOf(h);
+      if (across == kNoHalfEdge || parts.chosen[across / 3]) continue;
+      const double length2 = SquaredLength(mesh, h);
+      for (const VertexId v : {OriginOf(mesh, h), TargetOf(mesh, h)}) {
+        Lengths& lengths = at[v];
+        lengths.shortest2 = std::min(lengths.shortest2, length2);
+        lengths.longest2 = std::max(lengths.longest2, length2);
+      }
+    }
+  }
+  UnevenBorder most;
+  for (const auto& [v, lengths] : at) {
+    const double ratio = std::sqrt(lengths.longest2 / lengths.shortest2);
+    if (ratio > most.ratio) most = {ratio, mesh.PositionAt(v)};
+  }
+  return most;
 }
 
 void CompareWithInput(RegionParts& parts) {

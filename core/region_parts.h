@@ -62,6 +62,14 @@ MeshAttributes AttributesOfRegion(const RegionParts& parts, MeshAttributes aroun
 // The vertices of the whole on the region's border, in the order of its joints.
 std::vector<uint32_t> BorderOf(const RegionParts& parts, const MeshSurface& region);
 
+// How many times edges of the region's border that meet differ in length, at the most, and where; 1 where there is no border. Both stay, and
+// triangles beside them are as narrow.
+struct UnevenBorder {
+  double ratio = 1;
+  Vec3 place;
+};
+UnevenBorder MostUnevenBorder(const RegionParts& parts);
+
 // Counts what repair changed of the input outside of the region, and with patch_only lists what is gone with it.
 void CompareWithInput(RegionParts& parts);
 

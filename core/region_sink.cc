@@ -38,15 +38,15 @@ void RegionSink::AddRestOf(uint32_t face, const std::vector<Vec3>& normals, Outg
   for (int i = 0; i < 3; ++i) {
     const uint32_t v = whole.triangles[face][i].index();
     if (!rest_names_[v].valid()) {
-      rest_names_[v] = VertexId(static_cast<uint32_t>(sent_.positions.size()));
-      sent_.positions.push_back(whole.positions[v]);
-      piece.vertices.push_back({whole.positions[v], normals[v]});
+      rest_names_[v] = VertexId(vertex_count_++);
+      if (wanted_.details) sent_.positions.push_back(whole.positions[v]);
+      piece.vertices.push_back({whole.positions[v], wanted_.details ? normals[v] : Vec3{}});
     }
     t[i] = rest_names_[v];
-    if (last_use_[v] == face && !on_border_[v]) piece.finalised.push_back(t[i]);
+    if (wanted_.details && last_use_[v] == face && !on_border_[v]) piece.finalised.push_back(t[i]);
   }
   piece.triangles.push_back(t);
-  sent_.triangles.push_back(t);
+  if (wanted_.details) sent_.triangles.push_back(t);
   if (parts_.keeps_attributes) AddRestWedgesOf(face, piece);
 }
 
@@ -79,15 +79,17 @@ absl::Status RegionSink::SendRest() {
   border_names_.assign(border_.size(), VertexId());
   if (!wanted_.rest) return absl::OkStatus();
   const TriangleMesh& whole = parts_.whole();
-  const std::vector<Vec3> normals =
-      wanted_.normals ? ComputeVertexNormals(whole) : std::vector<Vec3>(whole.positions.size());
-  sent_.positions.reserve(whole.positions.size());
-  sent_.triangles.reserve(whole.triangles.size());
+  std::vector<Vec3> normals;
+  if (wanted_.details) {
+    normals = ComputeVertexNormals(whole);
+    sent_.positions.reserve(whole.positions.size());
+    sent_.triangles.reserve(whole.triangles.size());
+    FindLastUses();
+  }
   rest_names_.assign(whole.positions.size(), VertexId());
   on_border_.assign(whole.positions.size(), false);
   for (const uint32_t v : border_) on_border_[v] = true;
   if (parts_.keeps_attributes) rest_wedges_.assign(whole.attributes.wedge_count(), kNoWedge);
-  FindLastUses();
   Outgoing piece;
   for (uint32_t f = 0; f < whole.triangles.size(); ++f) {
     if (parts_.chosen[f]) continue;
@@ -101,13 +103,13 @@ absl::Status RegionSink::SendRest() {
 VertexId RegionSink::NameOf(const OutputVertex& v, std::vector<OutputVertex>& vertices) {
   const bool on_border = v.joint < border_.size();
   if (on_border && border_names_[v.joint].valid()) return border_names_[v.joint];
-  const VertexId name(static_cast<uint32_t>(sent_.positions.size()));
+  const VertexId name(vertex_count_++);
   vertices.push_back(v);
   if (on_border) {
     vertices.back().position = parts_.whole().positions[border_[v.joint]];
     border_names_[v.joint] = name;
   }
-  sent_.positions.push_back(vertices.back().position);
+  if (wanted_.details) sent_.positions.push_back(vertices.back().position);
   return name;
 }
 
@@ -146,7 +148,7 @@ absl::Status RegionSink::Append(const MeshPiece& piece) {
   for (const CornerWedges& c : piece.corners)
     out.corners.push_back({wedge_names_[c[0]], wedge_names_[c[1]], wedge_names_[c[2]]});
   for (const VertexId v : piece.finalised) out.finalised.push_back(names_[v.index()]);
-  sent_.triangles.insert(sent_.triangles.end(), out.triangles.begin(), out.triangles.end());
+  if (wanted_.details) sent_.triangles.insert(sent_.triangles.end(), out.triangles.begin(), out.triangles.end());
   return next_.Append({out.vertices,
                        out.triangles,
                        out.finalised,

@@ -16,8 +16,10 @@ namespace meshfront {
 class RegionSink : public MeshSink {
  public:
   struct Wanted {
-    bool rest = true;     // false: the patch alone
-    bool normals = true;  // of the rest's vertices; else they are zero, which saves the time of the whole mesh's
+    bool rest = true;  // false: the patch alone
+    // Normals of the rest's vertices, which ones are finalised, and `sent` of it. False: normals are zero and the others empty, which saves
+    // the time of the whole mesh's.
+    bool details = true;
   };
   // `border`: the vertices of the whole that the front's first joints are. All outlive the sink.
   RegionSink(MeshSink& next, const Wanted& wanted, const std::vector<uint32_t>& border, const RegionParts& parts)
@@ -25,7 +27,7 @@ class RegionSink : public MeshSink {
 
   absl::Status SendRest();
   absl::Status Append(const MeshPiece& piece) override;
-  // What was sent; positions of the region's new vertices as well.
+  // What was sent where details are wanted; positions of the region's new vertices as well.
   const TriangleMesh& sent() const { return sent_; }
 
  private:
@@ -59,7 +61,8 @@ class RegionSink : public MeshSink {
   std::vector<uint32_t> last_use_;      // likewise, by a face of the rest
   std::vector<uint32_t> rest_wedges_;   // of the whole's wedges, once they were sent
   std::vector<uint32_t> wedge_names_;   // of the front's wedges
-  uint32_t wedge_count_ = 0;            // sent
+  uint32_t vertex_count_ = 0;           // sent
+  uint32_t wedge_count_ = 0;            // likewise
 };
 
 }  // namespace meshfront

@@ -32,6 +32,8 @@ constexpr double kManyMore = 1.5;  // triangles than edges of the length that wa
 constexpr uint64_t kLargeResult = 10000;
 constexpr uint64_t kManyPerInput = 4;
 constexpr double kManyPerCurvature = 2;
+// Triangles between edges that differ so much where they meet have a 2r/R of 0.1 or less, as a few needles of CAD parts do.
+constexpr double kUnevenBorder = 20;
 constexpr double kMinMlsRadius = 2, kMaxMlsRadius = 16;
 
 using Clock = std::chrono::steady_clock;
@@ -306,6 +308,13 @@ void ReportRegion(Preparation& p, const FrontReport& front, Report& report) {
   if (report.region) report.region->new_triangles = front.triangles;
   if (!p.region) return;
   const RegionParts& parts = *p.region;
+  const UnevenBorder border = MostUnevenBorder(parts);
+  if (border.ratio > kUnevenBorder) {
+    report.warnings.push_back(absl::StrCat(
+        "edges of the region's border, which stay, differ ", std::llround(border.ratio), " times in length where they ",
+        "meet, the most at (", border.place.x, ", ", border.place.y, ", ", border.place.z,
+        "): new triangles there are as narrow, of a region that ends elsewhere they need not be"));
+  }
   if (parts.changed_outside == 0 && parts.dropped_outside == 0) return;
   report.warnings.push_back(absl::StrCat("repair changed ", parts.changed_outside,
                                          " faces outside of the region, and dropped ", parts.dropped_outside,
@@ -371,7 +380,7 @@ class RegionOutlets : public MeshSink {
   // `whole` may be null. All but `border`, which is copied, outlive the outlets.
   RegionOutlets(MeshSink& sink, MeshSink* whole, const RegionParts& parts, std::vector<uint32_t> border)
       : border_(std::move(border)), to_caller_(sink, {.rest = !parts.patch_only}, border_, parts) {
-    if (whole != nullptr) to_whole_.emplace(*whole, RegionSink::Wanted{.normals = false}, border_, parts);
+    if (whole != nullptr) to_whole_.emplace(*whole, RegionSink::Wanted{.details = false}, border_, parts);
   }
 
   absl::Status SendRest() {
@@ -390,10 +399,11 @@ class RegionOutlets : public MeshSink {
   std::optional<RegionSink> to_whole_;
 };
 
-// The caller's, and Problem.whole.
+// The caller's, Problem.whole and Problem.admit.
 struct Sinks {
   MeshSink& caller;
   MeshSink* whole = nullptr;
+  std::function<absl::Status(uint64_t)> admit = nullptr;
 };
 
 // From a preparation to the report, `start` being when it began. Nothing, and nothing was handed on: more faces of the region are `left`
@@ -401,6 +411,8 @@ struct Sinks {
 absl::StatusOr<std::optional<Report>> RemeshPrepared(Preparation& p, const Sinks& sinks, Clock::time_point start,
                                                      LeftFaces* left, const Context& context) {
   const double prepared = SecondsSince(start);
+  const auto predicted = static_cast<uint64_t>(std::min(p.predicted_triangles, 1e18));
+  if (sinks.admit && !p.is_least_count) MESHFRONT_RETURN_IF_ERROR(sinks.admit(predicted));
   std::optional<RegionOutlets> joined;
   std::optional<TeeSink> both;
   MeshSink* next = &sinks.caller;
@@ -409,7 +421,6 @@ absl::StatusOr<std::optional<Report>> RemeshPrepared(Preparation& p, const Sinks
   else if (sinks.whole != nullptr)
     next = &both.emplace(sinks.caller, *sinks.whole);
   OutgoingSink outgoing(*next, p, start);
-  const auto predicted = static_cast<uint64_t>(std::min(p.predicted_triangles, 1e18));
   HoldingSink kept(outgoing, joined ? std::numeric_limits<uint64_t>::max() : 0);
   MESHFRONT_ASSIGN_OR_RETURN(const Attempt attempt,
                              AdvanceInAttempts(p, joined ? static_cast<MeshSink&>(kept) : outgoing, context));
@@ -475,7 +486,7 @@ void WarnOfLeftFaces(const LeftFaces& left, Report& report) {
 // In rounds, each of a smaller region where the one before has faults. What comes before the surroundings is made once.
 absl::StatusOr<Report> RemeshRegion(Problem problem, MeshSink& sink, Clock::time_point start, const Context& context) {
   const Problem again{{}, problem.options, problem.region, nullptr, problem.features};
-  const Sinks sinks{sink, problem.whole};
+  const Sinks sinks{sink, problem.whole, problem.admit};
   LeftFaces left;
   for (;;) {
     MESHFRONT_ASSIGN_OR_RETURN(Preparation p, Prepare(std::move(problem), context, left.is_left));
@@ -496,7 +507,7 @@ absl::StatusOr<Report> Remesh(Problem problem, MeshSink& sink, const Context& co
   if (!problem.options.lod_rhos.empty())
     return absl::InvalidArgumentError("options.lod_rhos is set; levels of detail are what RemeshLevels makes");
   if (problem.region) return RemeshRegion(std::move(problem), sink, start, context);
-  const Sinks sinks{sink, problem.whole};
+  const Sinks sinks{sink, problem.whole, problem.admit};
   MESHFRONT_ASSIGN_OR_RETURN(Preparation p, Prepare(std::move(problem), context));
   MESHFRONT_ASSIGN_OR_RETURN(std::optional<Report> report, RemeshPrepared(p, sinks, start, nullptr, context));
   return *std::move(report);
@@ -508,8 +519,8 @@ absl::Status RemeshLevels(Problem problem, LevelSink& sink, const Context& conte
   Clock::time_point start = Clock::now();
   const std::vector<double> rhos = problem.options.lod_rhos;
   if (rhos.empty()) return absl::InvalidArgumentError("options.lod_rhos is empty; it must hold the rho of each level");
-  if (problem.whole != nullptr)
-    return absl::InvalidArgumentError("problem.whole is set beside options.lod_rhos; it takes one mesh");
+  if (problem.whole != nullptr || problem.admit)
+    return absl::InvalidArgumentError("problem.whole or admit is set beside options.lod_rhos; it takes one mesh");
   MESHFRONT_ASSIGN_OR_RETURN(Preparation p, Prepare(std::move(problem), context));
   const LevelStart first(p);
   for (size_t level = 0; level < rhos.size(); ++level) {

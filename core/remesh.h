@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -100,8 +101,11 @@ struct Problem {
   // as with sharp edges (sharp_points.h), and lines come to its surface. Not with a mesh that is meshed as a point set.
   Polylines features;
   // Takes the whole mesh as well, also where the region's `patch_only` keeps the rest from the caller's sink, in the order that it has
-  // without, but for normals: for who goes on with it. Outlives the call; null: nobody does. Of Remesh alone.
+  // without, but for normals and finalised vertices: for who goes on with it. Outlives the call; null: nobody does. Of Remesh alone.
   MeshSink* whole = nullptr;
+  // Hears how many new triangles are predicted before any is made; a status that is not OK ends the job. May hear it more than once, and
+  // not where fewer are wanted than can be predicted. Of Remesh alone.
+  std::function<absl::Status(uint64_t triangles)> admit = nullptr;
   int most_attempts = 16;  // attempts.h makes no more where the mesh is but a means to another
 };
 

@@ -14,6 +14,7 @@
 #include "proto/wire/convert.h"
 #include "proto/wire/crc32c.h"
 #include "proto/wire/errors.h"
+#include "server/session_result.h"
 #include "server/stream_sink.h"
 #include "server/version.h"
 
@@ -186,36 +187,79 @@ absl::Status SendSummary(Job& job) {
   return job.events->Push(std::move(event));
 }
 
-// Makes the result what is kept, with the attributes that it was given.
-absl::Status PrepareResult(const Job& job, TriangleMesh result, const Context& context, ParsedInput& input) {
-  result.normals.clear();
-  if (!result.attributes.corners.empty()) result.attributes.channels = input.prepared->mesh().attributes.channels;
-  MESHFRONT_ASSIGN_OR_RETURN(input.prepared, PreparedInput::Create(std::move(result), job.options.repair, context));
+using SharedInput = std::shared_ptr<const PreparedInput>;
+
+// The result as what is kept, with the attributes that it was given; ResourceExhausted where it is too large for that.
+absl::StatusOr<SharedInput> PrepareResult(const Job& job, SessionResult& result, const PreparedInput& input,
+                                          const Context& context) {
+  MESHFRONT_RETURN_IF_ERROR(result.status());
+  TriangleMesh mesh = result.Take();
+  if (!mesh.attributes.corners.empty()) mesh.attributes.channels = input.mesh().attributes.channels;
+  return PreparedInput::Create(std::move(mesh), job.options.repair, context);
+}
+
+void TellSession(const ServiceState& state, Job& job, const std::string& name, const SessionStore::Kept& kept) {
+  v1::Session& session = *job.summary.mutable_session();
+  session.set_id(name);
+  session.set_ttl_seconds(absl::ToDoubleSeconds(state.sessions.ttl()));
+  session.set_bytes(kept.input->bytes());
+  session.set_revision(kept.revision);
+}
+
+// Opens a session of the input or the result. Where there is none that the server can keep a warning says so.
+absl::Status OpenSession(ServiceState& state, Job& job, const absl::StatusOr<SharedInput>& mesh) {
+  const absl::StatusOr<std::string> name = mesh.ok() ? state.sessions.Keep(*mesh) : mesh.status();
+  if (absl::IsResourceExhausted(name.status()) && !IsOutOfMemory(name.status())) {
+    job.summary.add_warnings(absl::StrCat("no session is kept: ", name.status().message()));
+    return absl::OkStatus();
+  }
+  if (!name.ok()) return name.status();
+  TellSession(state, job, *name, {*mesh, 0});
+  return absl::OkStatus();
+}
+
+// Puts the result in the place of the session's mesh. Where it is too large the session stays as it is, and the summary says so: what was
+// sent is a result all the same.
+absl::Status UpdateSession(ServiceState& state, Job& job, const std::string& id, const ParsedInput& input,
+                           const absl::StatusOr<SharedInput>& result) {
+  absl::Status refusal = result.status();
+  if (result.ok()) {
+    const absl::StatusOr<uint64_t> revision = state.sessions.Replace(id, input.revision, *result);
+    if (revision.ok()) {
+      TellSession(state, job, id, {*result, *revision});
+      return absl::OkStatus();
+    }
+    refusal = revision.status();
+  }
+  if (ReasonOf(refusal).reason != kSessionTooLarge) return refusal;
+  job.summary.add_warnings(absl::StrCat("the session's mesh is not replaced, and stays at revision ", input.revision,
+                                        ": ", refusal.message()));
+  TellSession(state, job, id, {input.prepared, input.revision});
+  job.summary.mutable_session()->set_update_refusal(kSessionTooLarge);
   return absl::OkStatus();
 }
 
 // Says in the summary what is kept, the input or the result, or in a warning why nothing is.
-absl::Status KeepSession(ServiceState& state, Job& job, const std::string& id, const ParsedInput& input) {
-  std::string name = id;
-  uint64_t revision = input.revision;
-  if (name.empty() && !job.keeps_session) return absl::OkStatus();
-  if (name.empty()) {
-    const absl::StatusOr<std::string> kept = state.sessions.Keep(input.prepared);
-    if (absl::IsResourceExhausted(kept.status())) {
-      job.summary.add_warnings(absl::StrCat("no session is kept: ", kept.status().message()));
-      return absl::OkStatus();
-    }
-    if (!kept.ok()) return kept.status();
-    name = *kept;
-  } else if (job.updates_session) {
-    MESHFRONT_ASSIGN_OR_RETURN(revision, state.sessions.Replace(id, input.revision, input.prepared));
+absl::Status KeepSession(ServiceState& state, Job& job, const std::string& id, const ParsedInput& input,
+                         SessionResult& result, const Context& context) {
+  if (id.empty() && !job.keeps_session) return absl::OkStatus();
+  if (job.updates_session) {
+    absl::StatusOr<SharedInput> made = PrepareResult(job, result, *input.prepared, context);
+    return id.empty() ? OpenSession(state, job, made) : UpdateSession(state, job, id, input, made);
   }
-  v1::Session& session = *job.summary.mutable_session();
-  session.set_id(name);
-  session.set_ttl_seconds(absl::ToDoubleSeconds(state.sessions.ttl()));
-  session.set_bytes(input.prepared->bytes());
-  session.set_revision(revision);
+  if (id.empty()) return OpenSession(state, job, input.prepared);
+  TellSession(state, job, id, {input.prepared, input.revision});
   return absl::OkStatus();
+}
+
+// What is sure to be too large for the session that it is to replace is refused before the work; where a session is to be opened, none is.
+auto AdmissionTo(const std::string& session_id, SessionResult& result) {
+  return [&result, opens = session_id.empty()](uint64_t triangles) {
+    absl::Status fits = result.CheckPrediction(triangles);
+    if (fits.ok() || !opens) return fits;
+    result.Refuse(std::move(fits));
+    return absl::OkStatus();
+  };
 }
 
 // Streams one level after the other, each with its own chunks and summary.
@@ -254,10 +298,14 @@ absl::Status RemeshBody(ServiceState& state, Job& job) {
     MESHFRONT_ASSIGN_OR_RETURN(input.prepared,
                                PreparedInput::Create(std::move(input.mesh), job.options.repair, context));
   }
-  CollectingSink result;
-  Problem problem{std::move(input.mesh),     job.options,
-                  std::move(input.region),   input.prepared,
-                  std::move(input.features), job.updates_session ? &result : nullptr};
+  SessionResult result(state.sessions);
+  Problem problem{std::move(input.mesh), job.options, std::move(input.region), input.prepared,
+                  std::move(input.features)};
+  if (job.updates_session) {
+    problem.whole = &result;
+    if (problem.region) result.ReserveLike(input.prepared->mesh());
+    problem.admit = AdmissionTo(session_id, result);
+  }
   if (!job.options.lod_rhos.empty()) {
     LevelStream levels(job, input, times);
     MESHFRONT_RETURN_IF_ERROR(state.engine.remesh_levels(std::move(problem), levels, context));
@@ -267,8 +315,7 @@ absl::Status RemeshBody(ServiceState& state, Job& job) {
   MESHFRONT_ASSIGN_OR_RETURN(const Report report, state.engine.remesh(std::move(problem), sink, context));
   times.done = absl::Now();
   MESHFRONT_RETURN_IF_ERROR(FinishMesh(job, input, times, sink, report, 0));
-  if (job.updates_session) MESHFRONT_RETURN_IF_ERROR(PrepareResult(job, std::move(result.mesh), context, input));
-  MESHFRONT_RETURN_IF_ERROR(KeepSession(state, job, session_id, input));
+  MESHFRONT_RETURN_IF_ERROR(KeepSession(state, job, session_id, input, result, context));
   MESHFRONT_RETURN_IF_ERROR(SendSummary(job));
   return job.events->Drain();
 }

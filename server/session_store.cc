@@ -55,7 +55,7 @@ absl::Status SessionStore::CheckSize(uint64_t bytes) const {
   if (bytes <= limits_.max_bytes) return absl::OkStatus();
   return WithReason(absl::ResourceExhaustedError(absl::StrCat("the session would take ", bytes,
                                                               " bytes; this server keeps at most ", limits_.max_bytes)),
-                    "SESSION_TOO_LARGE");
+                    kSessionTooLarge);
 }
 
 absl::Status SessionStore::Unknown() const {

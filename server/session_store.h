@@ -46,6 +46,8 @@ class SessionStore {
   };
   Usage usage();
   absl::Duration ttl() const { return limits_.ttl; }
+  // ResourceExhausted with the reason SESSION_TOO_LARGE where a session of so many bytes alone is beyond the limits.
+  absl::Status CheckSize(uint64_t bytes) const;
 
  private:
   struct Session {
@@ -56,7 +58,6 @@ class SessionStore {
     uint64_t revision = 0;
   };
   using Sessions = std::list<Session>;
-  absl::Status CheckSize(uint64_t bytes) const;
   // The session, now the one used last, or null. What expired goes to `gone`. The mutex is held.
   Session* Touch(const std::string& digest, Sessions& gone);
   absl::Status Unknown() const;
@@ -70,6 +71,8 @@ class SessionStore {
   std::map<std::string, Sessions::iterator> by_digest_;
   uint64_t bytes_ = 0;
 };
+
+inline constexpr char kSessionTooLarge[] = "SESSION_TOO_LARGE";
 
 // Aborted with the reason SESSION_CHANGED where they differ; the metadata has the revision that is there.
 absl::Status CheckRevision(uint64_t wanted, uint64_t there);

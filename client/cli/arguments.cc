@@ -367,6 +367,14 @@ absl::StatusOr<SessionFile> ReadSessionFile(const std::string& path) {
       absl::StrCat("--session is ", path, "; it must be a file that --keep-session wrote"));
 }
 
+absl::StatusOr<std::optional<uint64_t>> ParseSessionRevision(const Text& revision) {
+  if (!revision) return std::nullopt;
+  uint64_t number;
+  if (absl::SimpleAtoi(*revision, &number)) return number;
+  return absl::InvalidArgumentError(absl::StrCat("--session-revision is \"", revision->substr(0, 40),
+                                                 "\"; it must be a whole number from 0 on, as --stats has it"));
+}
+
 absl::StatusOr<double> ParseTimeout(const Text& timeout) {
   if (!timeout) return kInfinity;
   return ParseNumber("--timeout", *timeout, {0, kInfinity, false, false, "a positive number of seconds"});

@@ -35,6 +35,7 @@ struct RemeshArguments {
   CallFlags call;
   std::string stats, trace, picture, write_repaired, removed;  // paths, empty: not wanted
   std::string keep_session, session;                           // likewise
+  MeshingFlags::Text session_revision;
   bool patch_only = false;
   bool update_session = false;
   bool quiet = false;
@@ -73,6 +74,8 @@ struct SessionFile {
 inline constexpr char kSessionWithAttributes[] = "attributes";  // the word behind the name then
 // InvalidArgument: it can't be read, or holds none. Reads 256 bytes at most.
 absl::StatusOr<SessionFile> ReadSessionFile(const std::string& path);
+// A whole number from 0 on; none when not given.
+absl::StatusOr<std::optional<uint64_t>> ParseSessionRevision(const MeshingFlags::Text& revision);
 // Seconds, > 0; infinity when not given.
 absl::StatusOr<double> ParseTimeout(const MeshingFlags::Text& timeout);
 // HOST:PORT with a port in 1..65535.

@@ -20,6 +20,7 @@ bool IsAboutOptions(const absl::Status& status) {
 }  // namespace
 
 ExitCode ExitCodeOfCall(const absl::Status& status) {
+  if (ReasonOf(status).reason == "SESSION_CHANGED") return ExitCode::kInput;  // the mesh that is meant is gone
   switch (status.code()) {
     case absl::StatusCode::kOk:
       return ExitCode::kDone;

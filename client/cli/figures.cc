@@ -64,6 +64,9 @@ std::string FiguresTable(const Json& stats) {
                               Get<double>(stats, "/seconds/engine", 0),
                               WithThousands(mesh_seconds > 0 ? static_cast<uint64_t>(triangles / mesh_seconds) : 0),
                               Get<double>(stats, "/seconds/total", 0)));
+  if (stats.contains("session"))
+    row("session", absl::StrFormat("revision %d, %s", Get<uint64_t>(stats, "/session/revision", 0),
+                                   WithByteUnit(Get<uint64_t>(stats, "/session/bytes", 0))));
   std::string memory = WithByteUnit(Get<uint64_t>(stats, "/peak_rss_bytes", 0));
   if (stats.contains("server_peak_rss_bytes")) {
     memory = "client " + memory + ", server " + WithByteUnit(Get<uint64_t>(stats, "/server_peak_rss_bytes", 0));

@@ -92,6 +92,9 @@ void AddRemesh(CLI::App* program, RemeshArguments* arguments) {
                       "with --server: it keeps IN for further calls; write the name of that session to a file");
   command->add_option("--session", arguments->session,
                       "with --server: the file that --keep-session wrote, in place of IN, which is - and not read");
+  command->add_option("--session-revision", arguments->session_revision,
+                      "with --session: the revision of the mesh that is meant, as --stats has it; refused where the "
+                      "session has another [whichever it has]");
   command->add_flag("--update-session", arguments->update_session,
                     "with --session or --keep-session: the result takes the place of the mesh that the server keeps");
   command->add_option("--write-repaired", arguments->write_repaired, "write the input as it was meshed, after repair");

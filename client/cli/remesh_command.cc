@@ -50,7 +50,7 @@ class RemeshCommand {
       const ExitCode code = (this->*step)();
       if (code != ExitCode::kDone) return code;
     }
-    ExitCode code = ExitCode::kDone;
+    ExitCode code = ReportSession();
     for (size_t level = 0; level < level_count(); ++level) {
       if (!summaries_[level].complete()) code = ReportOpenPlaces(level);
     }
@@ -104,6 +104,9 @@ class RemeshCommand {
   absl::Status ParseSession() {
     const std::string &session = arguments_.session, &kept = arguments_.keep_session;
     call_.update_session = arguments_.update_session;
+    MESHFRONT_ASSIGN_OR_RETURN(call_.session_revision, ParseSessionRevision(arguments_.session_revision));
+    if (call_.session_revision && session.empty())
+      return absl::InvalidArgumentError("--session-revision needs --session, whose mesh it names");
     if (session.empty() && kept.empty()) {
       if (!arguments_.update_session) return absl::OkStatus();
       return absl::InvalidArgumentError("--update-session needs --session or --keep-session, whose mesh it replaces");
@@ -381,6 +384,15 @@ class RemeshCommand {
       std::filesystem::permissions(arguments_.keep_session, mine, ignored);
     }
     return written.ok() ? ExitCode::kDone : Fail(ExitCode::kOutput, written);
+  }
+
+  // OUT is whole then, and there.
+  ExitCode ReportSession() const {
+    const std::string& refusal = summaries_.front().session().update_refusal();
+    if (refusal.empty()) return ExitCode::kDone;
+    return Fail(ExitCode::kServer, absl::ResourceExhaustedError(absl::StrCat(
+                                       "server ", arguments_.call.server, ": --update-session was refused (", refusal,
+                                       "); ", arguments_.out, " is whole, but the session has not got it")));
   }
 
   absl::Status WriteAsset(ChunkSpool& spool, ByteSink& file) {

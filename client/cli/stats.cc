@@ -144,6 +144,11 @@ Json StatsJson(const std::string& version, const v1::Summary& summary, const Cli
                        {"new_triangles", region.new_triangles()},
                        {"blend", summary.parameters().options().blend()}};
   }
+  if (summary.has_session()) {
+    const v1::Session& session = summary.session();
+    stats["session"] = {
+        {"revision", session.revision()}, {"bytes", session.bytes()}, {"ttl_seconds", session.ttl_seconds()}};
+  }
   if (client.remote) {
     stats["server_peak_rss_bytes"] = summary.server_peak_rss_bytes();
     stats["server_version"] = summary.version();

@@ -33,12 +33,17 @@ const {MeshfrontService} = grpc.loadPackageDefinition(definition).meshfront.v1;
 
 export const crc32c = (bytes, crc = 0) => CRC32C.buf(bytes, crc) >>> 0;
 
-/** The server refused, or the call failed. `code`: one of grpc.status. */
+/**
+ * The server refused, or the call failed. `code`: one of grpc.status. `reason`: why, for programs, in UPPER_SNAKE (SESSION_CHANGED,
+ * OUT_OF_MEMORY, …), and `metadata`: an object that says where; both empty where no server of ours says so, as where there is none.
+ */
 export class RemeshError extends Error {
   constructor(error) {
     super(`${grpc.status[error.code] ?? error.code}: ${error.details ?? error.message}`);
     this.name = 'RemeshError';
     this.code = error.code;
+    const [details] = error.metadata?.get('grpc-status-details-bin') ?? [];
+    Object.assign(this, reasonOf(details ?? Buffer.alloc(0)));
   }
 }
 
@@ -89,8 +94,9 @@ export class RemeshClient {
   }
 
   /**
-   * Remeshes the mesh that the server keeps as summary.session.id. settings: see call, and sessionRevision: rejects (ABORTED) where the
-   * session's mesh has another one.
+   * Remeshes the mesh that the server keeps as summary.session.id. settings: see call, and sessionRevision: rejects (with the reason
+   * SESSION_CHANGED) where the session's mesh has another one. With it an update may be sent again whose answer was lost: it is not made
+   * twice.
    */
   remeshSession(sessionId, {sessionRevision, ...settings} = {}) {
     const revision = sessionRevision === undefined ? {} : {sessionRevision};
@@ -141,6 +147,47 @@ export class RemeshClient {
       });
       send(stream, {...header, options, keepSession, updateSession, output: {scalarType: 'SCALAR_TYPE_FLOAT64'}}, arrays).catch(fail);
     });
+  }
+}
+
+/** [number, bytes] of each field of a Protobuf message that has a length; the others are passed over. */
+function fieldsOf(message) {
+  const fields = [];
+  let at = 0;
+  const varint = () => {
+    let value = 0;
+    for (let scale = 1; ; scale *= 128) {
+      if (at >= message.length) throw new DamagedError('a message ends too early');
+      const byte = message[at++];
+      value += (byte & 127) * scale;
+      if (byte < 128) return value;
+    }
+  };
+  while (at < message.length) {
+    const key = varint(), kind = key & 7;
+    if (kind === 0) {
+      varint();
+      continue;
+    }
+    const size = {1: 8, 5: 4}[kind] ?? varint();
+    if (kind === 2) fields.push([Math.floor(key / 8), message.subarray(at, at + size)]);
+    at += size;
+  }
+  return fields;
+}
+
+/** Of the google.rpc.ErrorInfo in a google.rpc.Status; nothing where there is none, or the bytes are damaged. */
+function reasonOf(details) {
+  const text = (fields, wanted) => fields.findLast(([number]) => number === wanted)?.[1].toString() ?? '';
+  const all = (fields, wanted) => fields.filter(([number]) => number === wanted).map(([, bytes]) => fieldsOf(bytes));
+  try {
+    const info = all(fieldsOf(details), 3).find((any) => text(any, 1).endsWith('/google.rpc.ErrorInfo'));
+    if (!info) return {reason: '', metadata: {}};
+    const fields = fieldsOf(info.findLast(([number]) => number === 2)?.[1] ?? Buffer.alloc(0));
+    return {reason: text(fields, 1), metadata: Object.fromEntries(all(fields, 3).map((entry) => [text(entry, 1), text(entry, 2)]))};
+  } catch (error) {
+    if (error instanceof DamagedError) return {reason: '', metadata: {}};
+    throw error;
   }
 }
 

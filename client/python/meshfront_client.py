@@ -36,11 +36,16 @@ crc32c = crcmod.predefined.mkCrcFun("crc-32c")
 
 
 class RemeshError(Exception):
-    """The server refused, or the call failed. `code`: a grpc.StatusCode."""
+    """The server refused, or the call failed. `code`: a grpc.StatusCode.
 
-    def __init__(self, code, message):
-        super().__init__(f"{code.name}: {message}")
-        self.code, self.message = code, message
+    `reason`: why, for programs, in UPPER_SNAKE (SESSION_CHANGED, OUT_OF_MEMORY, …), and `metadata`: a dict that says where; both empty where
+    no server of ours says so, as where there is none.
+    """
+
+    def __init__(self, error):
+        super().__init__(f"{error.code().name}: {error.details()}")
+        self.code, self.message = error.code(), error.details()
+        self.reason, self.metadata = _reason_of(dict(error.trailing_metadata() or ()).get("grpc-status-details-bin", b""))
 
 
 class DamagedError(Exception):
@@ -77,7 +82,7 @@ class RemeshClient:
         try:
             return self._stub.GetCapabilities(remesh_service_pb2.GetCapabilitiesRequest(), timeout=timeout)
         except grpc.RpcError as error:
-            raise RemeshError(error.code(), error.details()) from None
+            raise RemeshError(error) from None
 
     def remesh_mesh(self, positions, triangles, **keywords):
         """Remeshes an indexed mesh. Keywords: see _call."""
@@ -104,7 +109,8 @@ class RemeshClient:
         return self._call(header, {mesh_pb2.ARRAY_FILE: memoryview(data)}, **keywords)
 
     def remesh_session(self, session_id, session_revision=None, **keywords):
-        """Remeshes the mesh that the server keeps as summary.session.id; RemeshError (ABORTED) where it has another revision than this.
+        """Remeshes the mesh that the server keeps as summary.session.id; RemeshError (reason SESSION_CHANGED) where it has another revision
+        than this. With its revision an update may be sent again whose answer was lost: it is not made twice.
 
         Keywords: see _call.
         """
@@ -131,7 +137,7 @@ class RemeshClient:
         try:
             return _collect(call, on_progress)
         except grpc.RpcError as error:
-            raise RemeshError(error.code(), error.details()) from None
+            raise RemeshError(error) from None
         finally:
             call.cancel()  # does nothing to a call that has ended
 
@@ -148,6 +154,45 @@ def _as_bytes(buffer, element, name):
     if len(view) == 0 or len(view) % element:
         raise ValueError(f"{name} has {len(view)} bytes; it takes {element} each")
     return view
+
+
+def _fields(message):
+    """(number, bytes) of each field of a Protobuf message that has a length; the others are passed over."""
+    at = 0
+
+    def varint():
+        nonlocal at
+        value = shift = 0
+        while True:
+            byte = message[at]
+            at, value, shift = at + 1, value | (byte & 127) << shift, shift + 7
+            if byte < 128:
+                return value
+
+    while at < len(message):
+        key = varint()
+        if key & 7 == 0:
+            varint()
+            continue
+        size = {1: 8, 5: 4}.get(key & 7) or varint()
+        if key & 7 == 2:
+            yield key >> 3, message[at:at + size]
+        at += size
+
+
+def _reason_of(details):
+    """(reason, metadata) of the google.rpc.ErrorInfo in a google.rpc.Status; ("", {}) where there is none, or the bytes are damaged."""
+    try:
+        for any_detail in (dict(_fields(value)) for number, value in _fields(details) if number == 3):
+            if not any_detail.get(1, b"").endswith(b"/google.rpc.ErrorInfo"):
+                continue
+            info = list(_fields(any_detail.get(2, b"")))
+            entries = [dict(_fields(value)) for number, value in info if number == 3]
+            metadata = {entry.get(1, b"").decode(): entry.get(2, b"").decode() for entry in entries}
+            return dict(info).get(1, b"").decode(), metadata
+    except (IndexError, UnicodeDecodeError):
+        pass
+    return "", {}
 
 
 def _requests(header, arrays):

@@ -1,5 +1,5 @@
 //   1. LabelPatches between the creases, and LabelClusters: small patches that touch;
-//   2. MeasureFaces, MeasureCreases: of each cluster its size, what lies around it, and how its creases run;
+//   2. FindPlanes, FindNormalsAround, MeasureFaces, MeasureCreases: of each cluster its size, what lies around it, and how its creases run;
 //   3. IsSpeck.
 // Rejected: patch by patch. Of a line of small patches along the edge of a thin wing it takes some and leaves half a crease, where
 // the front then runs over itself.
@@ -7,9 +7,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <vector>
 
+#include "core/features/coordinate_rounding.h"
 #include "core/features/tolerances.h"
 
 namespace meshfront {
@@ -27,7 +29,8 @@ struct Cluster {
   double cosines = 0;  // of the turns of its creases from edge to edge, …
   uint32_t turns = 0;  // … so many
   bool has_wedge = false;
-  Vec3 normal_around;  // of a large patch's face across the rim
+  Vec3 normal_around;  // of the large patch's face across the rim that rounding turned the least, …
+  double tilt_around = std::numeric_limits<double>::infinity();  // … by at most so much
   bool is_flat_around = true,
        turns_around = true;  // … and whether all are alike, and all faces inside of it turn from them
   bool has_plane = false;    // a patch of several faces that is flat
@@ -41,6 +44,7 @@ class SpeckFinder {
         adjacency_(adjacency),
         creases_(creases),
         most_(most_faces),
+        rounding_(mesh),
         smallest_(kSpeckOfDiagonal * BoundingBox(mesh, adjacency).Diagonal()) {
     for (uint32_t h = 0; h < creases_.size(); ++h) {
       if (creases_[h]) on_crease_.push_back(h);
@@ -51,6 +55,7 @@ class SpeckFinder {
     LabelPatches();
     LabelClusters();
     FindPlanes();
+    FindNormalsAround();
     MeasureFaces();
     MeasureCreases();
     std::vector<bool> found(creases_.size());
@@ -81,7 +86,18 @@ class SpeckFinder {
   double LongestLength(uint32_t f) const { return std::sqrt(SquaredLength(mesh_, LongestSide(mesh_, f))); }
   void LabelPatches();
   void LabelClusters();
+  // Whether two normals are of one plane, which rounding turned by at most so much together.
+  static bool AreAlike(const Vec3& a, const Vec3& b, double tilt) {
+    const double angle = std::max(kFlatAngle, std::min(tilt, kMostRoundedAngle));
+    return Dot(a, b) > 0 && SquaredNorm(Cross(a, b)) <= angle * angle;
+  }
+  // Whether a face turns from a plane by more than 20° and what rounding can have made of it.
+  static bool TurnsFrom(const Vec3& plane, const Vec3& normal, double tilt) {
+    return tilt < 1 && Dot(plane, normal) <= kMeantTurnCosine * (1 - 0.5 * tilt * tilt) - kMeantTurnSine * tilt;
+  }
+  double TiltOf(uint32_t f, const Vec3& normal) const { return rounding_.TiltOf(mesh_, f, normal); }
   void FindPlanes();
+  void FindNormalsAround();
   void MeasureFaces();
   void MeasureSide(uint32_t inside, uint32_t across, Cluster& c) const;
   void MeasureCreases();
@@ -94,6 +110,7 @@ class SpeckFinder {
   const std::vector<bool>& creases_;
   std::vector<uint32_t> on_crease_;  // half-edges, in their order
   const uint32_t most_;
+  const CoordinateRounding rounding_;
   const double smallest_;
   FaceComponents patches_, cluster_of_;
   std::vector<uint32_t> sizes_;  // of each patch, in faces
@@ -136,17 +153,31 @@ void SpeckFinder::FindPlanes() {
   for (uint32_t h = 0; h < creases_.size(); ++h) {
     const uint32_t across = adjacency_.OppositeOf(h);
     if (IsLarge(h / 3) || creases_[h] || across == kNoHalfEdge) continue;
-    if (Dot(NormalOf(h / 3), NormalOf(across / 3)) < kFlatCosine) is_plane_[patches_.label[h / 3]] = false;
+    const Vec3 here = NormalOf(h / 3), there = NormalOf(across / 3);
+    if (!AreAlike(here, there, TiltOf(h / 3, here) + TiltOf(across / 3, there)))
+      is_plane_[patches_.label[h / 3]] = false;
+  }
+}
+
+void SpeckFinder::FindNormalsAround() {
+  for (const uint32_t h : on_crease_) {
+    const uint32_t across = adjacency_.OppositeOf(h) / 3;
+    if (IsLarge(h / 3) || !IsLarge(across)) continue;
+    Cluster& c = clusters_[cluster_of_.label[h / 3]];
+    const Vec3 normal = NormalOf(across);
+    const double tilt = TiltOf(across, normal);
+    if (tilt < c.tilt_around) c.normal_around = normal, c.tilt_around = tilt;
   }
 }
 
 void SpeckFinder::MeasureSide(uint32_t inside, uint32_t across, Cluster& c) const {
   const uint32_t sea = patches_.label[across];
-  const Vec3 normal = NormalOf(across);
-  if (c.sides_around == 0) c.normal_around = normal;
+  const Vec3 normal = NormalOf(across), normal_inside = NormalOf(inside);
   c.is_inside = c.is_inside && (c.sides_around == 0 || c.sea == sea);
-  c.is_flat_around = c.is_flat_around && Dot(normal, c.normal_around) >= kFlatCosine;
-  c.turns_around = c.turns_around && Dot(NormalOf(inside), normal) <= kMeantTurnCosine;
+  const double tilt = TiltOf(across, normal);
+  const bool says_nothing = tilt > kMostRoundedAngle && c.tilt_around <= kMostRoundedAngle;  // a sliver
+  c.is_flat_around = c.is_flat_around && (says_nothing || AreAlike(normal, c.normal_around, tilt + c.tilt_around));
+  c.turns_around = c.turns_around && TurnsFrom(c.normal_around, normal_inside, TiltOf(inside, normal_inside));
   c.sea = sea;
   c.length_around += LongestLength(across);
   ++c.sides_around;

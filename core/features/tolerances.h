@@ -104,11 +104,18 @@ inline constexpr uint32_t kSeaPerSpeck = 100;
 inline constexpr double kWedgeCosine = 0.966;
 //     or if it has few faces, however it runs, and the sea so many times as many;
 inline constexpr uint32_t kSeaPerSmoothSpeck = 1000;
-// but, unless nobody sees it, none that somebody meant, as pockets and bosses of machined parts: the sea is one plane all around it (cosine:
-// 0.008°, which the rounding of files stays below), everything beside the sea turns by more than 20° from that, and a patch of two faces or
-// more is one plane as well. Noise has neither.
-inline constexpr double kFlatCosine = 1 - 1e-8;
+// but, unless nobody sees it, none that somebody meant, as pockets and bosses of machined parts: the sea is one plane all around it,
+// everything beside the sea turns by more than 20° (sine) from that, and by what rounding can have made of it, and a patch of two faces or
+// more is one plane as well. Noise has neither. A plane is what turns by no more than this angle (radians: 0.008°) or, where that is more,
+// than the rounding of the coordinates can have made of it, up to 3°, beyond which it could be anything.
+inline constexpr double kFlatAngle = 1.4e-4;
+inline constexpr double kMostRoundedAngle = 0.05;
 inline constexpr double kMeantTurnCosine = 0.94;
+inline constexpr double kMeantTurnSine = 0.3411744421846396;
+// How coordinates were rounded (coordinate_rounding.h) is told by so many vertices or twice as many, of whose numbers at least this share
+// is as it was written: repair may have made some.
+inline constexpr size_t kVerticesForRounding = 500;
+inline constexpr double kShareAsWritten = 0.98;
 
 // A curve passes close to what lies within this part of an edge's length around its middle; and a walk has reached a place when it ends
 // within this part of that.

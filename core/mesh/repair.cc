@@ -218,7 +218,9 @@ absl::Status ValidateMeshable(const TriangleMesh& mesh, const MeshSurvey& survey
   return survey.unsound_faces < mesh.triangles.size() ? absl::OkStatus() : NothingLeft(mesh);
 }
 
-absl::StatusOr<RepairResult> Repair(TriangleMesh mesh, bool turns_outwards, const Context& context) {
+// `original`: where the mesh goes as it came before the first change; null: nowhere.
+absl::StatusOr<RepairResult> Repair(TriangleMesh mesh, bool turns_outwards, std::optional<TriangleMesh>* original,
+                                    const Context& context) {
   MESHFRONT_RETURN_IF_ERROR(ValidateIndices(mesh));
   MeshSurvey survey = Survey(mesh);
   MESHFRONT_RETURN_IF_ERROR(ValidateMeshable(mesh, survey));
@@ -230,6 +232,7 @@ absl::StatusOr<RepairResult> Repair(TriangleMesh mesh, bool turns_outwards, cons
     MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
     if (pass > 0) survey = Survey(mesh);
     const bool clean = IsClean(mesh, survey, adjacency);
+    if (pass == 0 && original != nullptr && (!clean || unreferenced > 0 || turns_outwards)) *original = mesh;
     if (!clean && pass < kMostPasses && RepairPass(mesh, survey, actions)) continue;
     if (!adjacency) adjacency = FindManifoldAdjacency(mesh);
     if (!adjacency) return absl::InternalError("repair did not arrive at a manifold; please report this mesh");
@@ -249,11 +252,12 @@ absl::StatusOr<RepairResult> Repair(TriangleMesh mesh, bool turns_outwards, cons
 }  // namespace
 
 absl::StatusOr<RepairResult> RepairMesh(TriangleMesh mesh, const Context& context) {
-  return Repair(std::move(mesh), true, context);
+  return Repair(std::move(mesh), true, nullptr, context);
 }
 
-absl::StatusOr<RepairResult> RepairMeshAsOriented(TriangleMesh mesh, const Context& context) {
-  return Repair(std::move(mesh), false, context);
+absl::StatusOr<RepairResult> RepairMeshAsOriented(TriangleMesh mesh, const Context& context,
+                                                  std::optional<TriangleMesh>* original) {
+  return Repair(std::move(mesh), false, original, context);
 }
 
 }  // namespace meshfront

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
-#include "core/geometry/triangle.h"
 #include "core/mesh/tolerances.h"
 
 namespace meshfront {
@@ -30,16 +29,26 @@ bool HasPillow(const FaceAdjacency& adjacency) {
 
 }  // namespace
 
-FaceState StateOf(const TriangleMesh& mesh, const Triangle& t) {
+namespace {
+
+// `longest2`: the square of the longest side of a face that is sound, or without area only.
+FaceState StateOf(const TriangleMesh& mesh, const Triangle& t, double& longest2) {
   if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return FaceState::kRepeatedIndex;
   const Vec3 &a = mesh.PositionAt(t[0]), &b = mesh.PositionAt(t[1]), &c = mesh.PositionAt(t[2]);
   if (!IsComputable(a) || !IsComputable(b) || !IsComputable(c)) {
     return IsFinite(a) && IsFinite(b) && IsFinite(c) ? FaceState::kHuge : FaceState::kNotFinite;
   }
   const Vec3 ab = b - a, bc = c - b, ca = a - c;
-  const double longest2 = std::max({SquaredNorm(ab), SquaredNorm(bc), SquaredNorm(ca)});
+  longest2 = std::max({SquaredNorm(ab), SquaredNorm(bc), SquaredNorm(ca)});
   // The largest component stands for the norm: its square could vanish.
   return LargestComponent(Cross(ab, ca)) > kZeroAreaRatio * longest2 ? FaceState::kSound : FaceState::kZeroArea;
+}
+
+}  // namespace
+
+FaceState StateOf(const TriangleMesh& mesh, const Triangle& t) {
+  double longest2 = 0;
+  return StateOf(mesh, t, longest2);
 }
 
 absl::Status ValidateIndices(const TriangleMesh& mesh) {
@@ -59,15 +68,21 @@ MeshSurvey Survey(const TriangleMesh& mesh) {
   double longest2 = 0;
   const size_t stride = mesh.triangles.size() / 1000 + 1;
   std::vector<double> sample;
-  for (size_t f = 0; f < mesh.triangles.size(); ++f) {
+  std::vector<uint8_t> is_in_box(mesh.positions.size(), 0);
+  for (size_t f = 0, next = 0; f < mesh.triangles.size(); ++f) {
+    const bool is_sample = f == next;
+    if (is_sample) next += stride;
     const Triangle& t = mesh.triangles[f];
-    const FaceState state = StateOf(mesh, t);
+    double side2 = 0;
+    const FaceState state = StateOf(mesh, t, side2);
     out.unsound_faces += state != FaceState::kSound;
     if (state != FaceState::kSound && state != FaceState::kZeroArea) continue;
-    for (const VertexId v : t) out.box.Extend(mesh.PositionAt(v));
-    const double side2 = SquaredLongestSide(mesh.PositionAt(t[0]), mesh.PositionAt(t[1]), mesh.PositionAt(t[2]));
+    for (const VertexId v : t) is_in_box[v.index()] = 1;
     longest2 = std::max(longest2, side2);
-    if (f % stride == 0) sample.push_back(side2);
+    if (is_sample) sample.push_back(side2);
+  }
+  for (size_t v = 0; v < is_in_box.size(); ++v) {
+    if (is_in_box[v]) out.box.Extend(mesh.positions[v]);
   }
   out.longest_side = std::sqrt(longest2);
   if (sample.empty()) return out;

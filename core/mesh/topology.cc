@@ -29,7 +29,7 @@ int64_t GenusOf(const TopologyReport& t) {
   return (2 * int64_t(t.components) - t.euler_characteristic - int64_t(t.boundary_loops)) / 2;
 }
 
-TopologyReport MeasureOriented(const TriangleMesh& mesh, const FaceAdjacency& adjacency) {
+TopologyReport MeasureOriented(const TriangleMesh& mesh, const FaceAdjacency& adjacency, uint64_t components) {
   TopologyReport out;
   out.triangles = mesh.triangles.size();
   for (const uint32_t h : adjacency.outgoing) out.vertices += h != kNoHalfEdge;
@@ -37,7 +37,7 @@ TopologyReport MeasureOriented(const TriangleMesh& mesh, const FaceAdjacency& ad
     for (const uint32_t h : sides) out.boundary_edges += h == kNoHalfEdge;
   }
   out.boundary_loops = FindBoundaryLoops(adjacency).size();
-  out.components = LabelComponents(adjacency).count;
+  out.components = components;
   out.manifold = out.oriented = out.triangles > 0;
   Conclude((3 * out.triangles + out.boundary_edges) / 2, out);
   if (out.manifold) out.genus = GenusOf(out);
@@ -156,12 +156,16 @@ TopologyReport MeasureTopology(const TriangleMesh& mesh) {
     return AnyMesh(usable).Measure();
   }
   const std::optional<FaceAdjacency> adjacency = FindOrientedAdjacency(mesh);
-  if (adjacency && HasSingleFans(mesh, *adjacency)) return MeasureOriented(mesh, *adjacency);
+  if (adjacency && HasSingleFans(mesh, *adjacency)) return MeasureTopology(mesh, *adjacency);
   return AnyMesh(mesh).Measure();
 }
 
 TopologyReport MeasureTopology(const TriangleMesh& mesh, const FaceAdjacency& adjacency) {
-  return MeasureOriented(mesh, adjacency);
+  return MeasureOriented(mesh, adjacency, LabelComponents(adjacency).count);
+}
+
+TopologyReport MeasureTopology(const TriangleMesh& mesh, const FaceAdjacency& adjacency, uint64_t components) {
+  return MeasureOriented(mesh, adjacency, components);
 }
 
 }  // namespace meshfront

@@ -26,7 +26,8 @@ struct TopologyReport {
 // O(n); never fails, whatever the mesh is. Loops are followed around each vertex inside its fan, as they run once
 // pinched vertices are split.
 TopologyReport MeasureTopology(const TriangleMesh& mesh);
-// The same of what RepairMesh returned, with its adjacency; half the time.
+// The same of what RepairMesh returned, with its adjacency; half the time. And where it is known how many components there are.
 TopologyReport MeasureTopology(const TriangleMesh& mesh, const FaceAdjacency& adjacency);
+TopologyReport MeasureTopology(const TriangleMesh& mesh, const FaceAdjacency& adjacency, uint64_t components);
 
 }  // namespace meshfront

@@ -224,6 +224,14 @@ TEST(SessionFile, HoldsANameAndWhetherThereAreAttributes) {
   EXPECT_THAT(ReadSessionFile("/no/such/file"), StatusIs(kInvalid, "must be a file"));
 }
 
+TEST(SessionRevision, IsAWholeNumber) {
+  EXPECT_EQ(*ParseSessionRevision(std::nullopt), std::nullopt);
+  EXPECT_EQ(*ParseSessionRevision("0"), 0u);
+  EXPECT_EQ(*ParseSessionRevision("18446744073709551615"), std::numeric_limits<uint64_t>::max());
+  for (const char* text : {"", "-1", "1.5", "any", "18446744073709551616"})
+    EXPECT_THAT(ParseSessionRevision(text), StatusIs(kInvalid, "must be a whole number")) << text;
+}
+
 TEST(MeshingFlags, SayNotYetInsteadOfIgnoring) {
   const std::vector<MeshingFlags> not_built = {{.seed_points = {"0,0,0"}},
                                                {.region = "sphere:0,0,0,1", .surface = "imls"}};

@@ -37,18 +37,19 @@ TEST_F(Program, ExplainsItselfWhenAsked) {
   EXPECT_EQ(Run({"--help"}).exit_code, 0);
   const Outcome outcome = Run({"remesh", "--help"});
   EXPECT_EQ(outcome.exit_code, 0);
-  for (const char* flag : {"--server",       "--rho",       "--eta",
-                           "--max-error",    "--sizing",    "--target-triangles",
-                           "--edge-length",  "--min-edge",  "--max-edge",
-                           "--crease-angle", "--features",  "--attributes",
-                           "--region",       "--blend",     "--surface",
-                           "--mls-radius",   "--fill-gaps", "--seed-point",
-                           "--flips",        "--smooth",    "--fit",
-                           "--threads",      "--repair",    "--stats",
-                           "--trace",        "--picture",   "--write-repaired",
-                           "--patch-only",   "--removed",   "--timeout",
-                           "--keep-session", "--session",   "--update-session",
-                           "--quiet",        "--in-format", "--out-format"}) {
+  for (const char* flag : {"--server",          "--rho",       "--eta",
+                           "--max-error",       "--sizing",    "--target-triangles",
+                           "--edge-length",     "--min-edge",  "--max-edge",
+                           "--crease-angle",    "--features",  "--attributes",
+                           "--region",          "--blend",     "--surface",
+                           "--mls-radius",      "--fill-gaps", "--seed-point",
+                           "--flips",           "--smooth",    "--fit",
+                           "--threads",         "--repair",    "--stats",
+                           "--trace",           "--picture",   "--write-repaired",
+                           "--patch-only",      "--removed",   "--timeout",
+                           "--keep-session",    "--session",   "--update-session",
+                           "--quiet",           "--in-format", "--out-format",
+                           "--session-revision"}) {
     EXPECT_THAT(outcome.out, HasSubstr(flag));
   }
 }
@@ -84,6 +85,7 @@ TEST_F(Program, ExitsWithTwoForMistakesInTheCommandLine) {
       {"remesh", "in.ply", "out.ply", "--server", "nowhere"},
       {"remesh", "in.ply", "out.ply", "--server", "127.0.0.1:99999"},
       {"remesh", "in.ply", "out.ply", "--timeout", "0"},
+      {"remesh", "in.ply", "out.ply", "--session-revision", "1"},  // of which session
       {"remesh", "in.ply", "out.ply", "--write-repaired", "in.xyz"},
       {"remesh", "in.ply", "out.ply", "--picture", "picture.jpg"},
       {"remesh", "in.ply", "out.ply", "--write-repaired", "./out.ply"},

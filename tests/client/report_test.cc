@@ -151,6 +151,15 @@ TEST(Stats, HoldEveryKeyOfTheContract) {
   EXPECT_EQ(stats["seconds"]["total"], 2);
 }
 
+TEST(Stats, NameTheRevisionOfASession) {
+  v1::Summary summary = SomeSummary();
+  EXPECT_FALSE(StatsJson("1", summary, {}).contains("session"));
+  summary.mutable_session()->set_revision(7);
+  const nlohmann::ordered_json stats = StatsJson("1", summary, {});
+  EXPECT_EQ(stats["session"]["revision"], 7);
+  EXPECT_THAT(FiguresTable(stats), ::testing::HasSubstr("revision 7"));
+}
+
 TEST(Stats, HoldNoServerMemoryWhenThereIsNoServer) {
   EXPECT_FALSE(StatsJson("1", SomeSummary(), {}).contains("server_peak_rss_bytes"));
 }

@@ -102,8 +102,13 @@ test('lets patches accumulate in a session', async () => {
   const second = await client.remeshSession(id, {sessionRevision: revision, options, regionFaces, updateSession: true});
   assert.deepEqual([second.positions, second.triangles], [twice.positions, twice.triangles]);
   assert.deepEqual([second.removed, twice.removed], [regionFaces, regionFaces]);
-  const isLate = (error) => error instanceof RemeshError && error.code === grpc.status.ABORTED;
-  await assert.rejects(client.remeshSession(id, {sessionRevision: revision, options, regionFaces}), isLate);
+  // Sent again, as if the answer had been lost: it is told apart from what may be tried again, and not made twice.
+  const isLate = (error) => error instanceof RemeshError && error.code === grpc.status.ABORTED && error.reason === 'SESSION_CHANGED' &&
+    error.metadata.revision === `${revision + 1}`;
+  await assert.rejects(client.remeshSession(id, {sessionRevision: revision, options, regionFaces, updateSession: true}), isLate);
+  const after = await client.remeshSession(id, {sessionRevision: revision + 1, options, regionFaces});
+  assert.equal(after.summary.session.revision, revision + 1);
+  await assert.rejects(client.remeshSession('0123'), (error) => error.code === grpc.status.NOT_FOUND && error.reason === 'SESSION_UNKNOWN');
   assert.throws(() => client.remeshSession(id, {options, regionFaces: [1]}), TypeError);
 });
 
@@ -134,7 +139,7 @@ test('ends at its deadline, by a signal, and by an exception of the caller', asy
 
 test('says that there is no server', async () => {
   const gone = new RemeshClient('127.0.0.1:1');
-  await assert.rejects(gone.capabilities({timeout: 5}), (e) => e instanceof RemeshError && e.code === grpc.status.UNAVAILABLE);
+  await assert.rejects(gone.capabilities({timeout: 5}), (e) => e instanceof RemeshError && e.code === grpc.status.UNAVAILABLE && e.reason === '');
   gone.close();
   assert.ok((await client.capabilities({timeout: 30})).supportedOptions.includes('options.rho'));
 });
@@ -147,6 +152,21 @@ test('sees damage', () => {
   for (const change of [{crc32c: 1}, {sequence: 1}, {firstVertex: 1}, {vertexCount: 2}, {indices: Buffer.alloc(12)}])
     assert.throws(() => new Collected().takeChunk({...chunk, ...change}), DamagedError, JSON.stringify(change));
   assert.throws(() => new Collected().result(), DamagedError);
+});
+
+test('sees reasons in what may be damaged', () => {
+  const withLength = (key, bytes) => Buffer.concat([Buffer.from([key, bytes.length]), bytes]);
+  const info = Buffer.concat([withLength(0x0a, Buffer.from('WHY')),
+                              withLength(0x1a, Buffer.concat([withLength(0x0a, Buffer.from('k')), withLength(0x12, Buffer.from('v'))]))]);
+  const any = Buffer.concat([withLength(0x0a, Buffer.from('type.googleapis.com/google.rpc.ErrorInfo')), withLength(0x12, info)]);
+  const details = Buffer.concat([Buffer.from([0x08, 0x0a]), withLength(0x1a, any)]);
+  const errorOf = (bytes) => new RemeshError({code: 10, details: 'no', metadata: {get: () => [bytes]}});
+  assert.deepEqual([errorOf(details).reason, errorOf(details).metadata], ['WHY', {k: 'v'}]);
+  for (let at = 0; at < details.length; ++at) {
+    assert.equal(errorOf(details.subarray(0, at)).code, 10);
+    assert.equal(errorOf(details.map((byte, i) => i === at ? byte ^ 0xff : byte)).code, 10);
+  }
+  assert.deepEqual(errorOf(undefined).metadata, {});
 });
 
 test('is a program too', () => {

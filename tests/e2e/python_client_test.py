@@ -108,9 +108,16 @@ class PythonClient(unittest.TestCase):
         second = self.client.remesh_session(session.id, session.revision, options=options, region_faces=faces, update_session=True)
         self.assertEqual((second.positions, second.triangles, second.removed), (twice.positions, twice.triangles, twice.removed))
         self.assertEqual(second.removed, faces)
+        # Sent again, as if the answer had been lost: it is told apart from what may be tried again, and not made twice.
         with self.assertRaises(RemeshError) as late:
-            self.client.remesh_session(session.id, session.revision, options=options, region_faces=faces)
-        self.assertEqual(late.exception.code, grpc.StatusCode.ABORTED)
+            self.client.remesh_session(session.id, session.revision, options=options, region_faces=faces, update_session=True)
+        self.assertEqual((late.exception.code, late.exception.reason), (grpc.StatusCode.ABORTED, "SESSION_CHANGED"))
+        self.assertEqual(late.exception.metadata, {"revision": str(session.revision + 1)})
+        after = self.client.remesh_session(session.id, session.revision + 1, options=options, region_faces=faces)
+        self.assertEqual(after.summary.session.revision, session.revision + 1)
+        with self.assertRaises(RemeshError) as unknown:
+            self.client.remesh_session("0123")
+        self.assertEqual((unknown.exception.code, unknown.exception.reason), (grpc.StatusCode.NOT_FOUND, "SESSION_UNKNOWN"))
 
     def test_says_what_the_server_refuses(self):
         positions, triangles = torus(8, 6)
@@ -152,8 +159,20 @@ class PythonClient(unittest.TestCase):
     def test_says_that_there_is_no_server(self):
         with self.assertRaises(RemeshError) as gone:
             RemeshClient("127.0.0.1:1").capabilities(timeout=5)
-        self.assertEqual(gone.exception.code, grpc.StatusCode.UNAVAILABLE)
+        self.assertEqual((gone.exception.code, gone.exception.reason, gone.exception.metadata), (grpc.StatusCode.UNAVAILABLE, "", {}))
         self.assertIn("rho", " ".join(self.client.capabilities(timeout=30).supported_options))
+
+    def test_sees_reasons_in_what_may_be_damaged(self):
+        info = b"\x0a\x03WHY\x1a\x06\x0a\x01k\x12\x01v"
+        url = b"type.googleapis.com/google.rpc.ErrorInfo"
+        any_detail = b"\x0a" + bytes([len(url)]) + url + b"\x12" + bytes([len(info)]) + info
+        details = b"\x08\x0a\x1a" + bytes([len(any_detail)]) + any_detail
+        self.assertEqual(meshfront_client._reason_of(details), ("WHY", {"k": "v"}))
+        self.assertEqual(meshfront_client._reason_of(b""), ("", {}))
+        for size in range(1, len(details)):
+            meshfront_client._reason_of(details[:size])
+        for byte in range(len(details)):
+            meshfront_client._reason_of(details[:byte] + bytes([details[byte] ^ 0xff]) + details[byte + 1:])
 
     def test_is_a_program_too(self):
         program = meshfront_client.__file__

@@ -265,7 +265,7 @@ TEST(RemeshOverSocket, KeepsTheAttributesOfWhatAccumulates) {
 
 TEST(RemeshOverSocket, RefusesWhatIsMeantOfAnotherMeshOfTheSession) {
   const TriangleMesh sphere = Icosphere(3);
-  const ServerProcess server({"--max-session-mb", "1"});
+  const ServerProcess server;
   v1::Header header = HeaderOf(sphere);
   header.set_update_session(true);
   EXPECT_THAT(RemeshAt(server, RequestOf(sphere, header)).status.error_message(),
@@ -283,17 +283,48 @@ TEST(RemeshOverSocket, RefusesWhatIsMeantOfAnotherMeshOfTheSession) {
   EXPECT_EQ(late.status.error_code(), grpc::StatusCode::ABORTED);
   EXPECT_EQ(late.reason(), "SESSION_CHANGED");
   EXPECT_EQ(late.chunks, 0u) << "it was known before";
-  std::vector<v1::RemeshRequest> large = UpdateRequest(id, 1);
-  large[0].mutable_header()->mutable_options()->set_rho(0.03);
-  large[0].mutable_header()->mutable_options()->clear_region();  // all of it
-  const Outcome refused = RemeshAt(server, large);
-  EXPECT_EQ(refused.status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
-  EXPECT_EQ(refused.reason(), "SESSION_TOO_LARGE");
-  EXPECT_FALSE(refused.summary);
   again[0].mutable_header()->set_session_revision(1);
   const Outcome then = RemeshAt(server, again);
   ASSERT_TRUE(then.status.ok()) << then.status.error_message();
   EXPECT_EQ(then.summary->session().revision(), 2u);
+}
+
+// 33,000 triangles take 1.5 MB, 130,000 are known to be too many before one of them is made.
+TEST(RemeshOverSocket, KeepsASessionWhoseUpdateIsTooLarge) {
+  const TriangleMesh sphere = Icosphere(3);
+  const ServerProcess server({"--max-session-mb", "1"});
+  v1::Header header = HeaderOf(sphere);
+  header.set_keep_session(true);
+  const v1::Session session = RemeshAt(server, RequestOf(sphere, header)).summary->session();
+  std::vector<v1::RemeshRequest> large = UpdateRequest(session.id(), 1);
+  v1::RemeshOptions& options = *large[0].mutable_header()->mutable_options();
+  options.clear_region();  // all of it
+  options.set_rho(0.03);
+  const Outcome sent = RemeshAt(server, large);
+  ASSERT_TRUE(sent.status.ok()) << sent.status.error_message();
+  EXPECT_GT(sent.mesh.triangles.size(), 30'000u);
+  EXPECT_EQ(sent.summary->session().update_refusal(), "SESSION_TOO_LARGE");
+  EXPECT_EQ(sent.summary->session().revision(), 0u);
+  EXPECT_EQ(sent.summary->session().bytes(), session.bytes());
+  EXPECT_THAT(sent.summary->warnings(), ::testing::Contains(HasSubstr("is not replaced, and stays at revision 0")));
+
+  options.set_rho(0.015);
+  const Outcome refused = RemeshAt(server, large);
+  EXPECT_EQ(refused.status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_EQ(refused.reason(), "SESSION_TOO_LARGE");
+  EXPECT_EQ(refused.chunks, 0u);
+
+  header.set_update_session(true);
+  *header.mutable_options() = options;
+  const Outcome opened = RemeshAt(server, RequestOf(sphere, header));
+  ASSERT_TRUE(opened.status.ok()) << opened.status.error_message();
+  EXPECT_FALSE(opened.summary->has_session());
+  EXPECT_THAT(opened.summary->warnings(), ::testing::Contains(HasSubstr("no session is kept")));
+
+  const Outcome small = RemeshAt(server, UpdateRequest(session.id(), 1));
+  ASSERT_TRUE(small.status.ok()) << small.status.error_message();
+  EXPECT_EQ(small.summary->session().revision(), 1u);
+  EXPECT_EQ(small.summary->session().update_refusal(), "");
 }
 
 TEST(RemeshOverSocket, SaysThatASessionIsGone) {

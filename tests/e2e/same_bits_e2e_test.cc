@@ -141,6 +141,9 @@ TEST(SameBitsOverSocket, InAPatchOfASession) {
   EXPECT_EQ(run(in, {"--server", server.address(), "--keep-session", session, "--update-session"}), alone);
   EXPECT_EQ(run("-", {"--server", server.address(), "--session", session}), of_first);
   EXPECT_EQ(run(in, {"--server", server.address(), "--update-session"}), "2") << "of which session";
+  const std::string stats = folder / "stats.json";
+  EXPECT_EQ(run("-", {"--server", server.address(), "--session", session, "--stats", stats}), of_first);
+  EXPECT_THAT(BytesOf(stats), ::testing::HasSubstr("\"revision\": 0"));
   std::ofstream(session) << "0123456789abcdef\n";
   EXPECT_EQ(run("-", {"--server", server.address(), "--session", session}), "3") << "no such session";
   const std::string errors = folder / "errors";
@@ -153,6 +156,59 @@ TEST(SameBitsOverSocket, InAPatchOfASession) {
   EXPECT_EQ(run(in, {"--server", server.address(), "--session", session}), "2") << "IN beside it";
   EXPECT_EQ(run("-", {"--server", server.address(), "--session", in + "x"}), "2") << "no such file";
   EXPECT_EQ(run("-", {"--server", server.address(), "--session", session, "--lod", "0.5,1"}), "2") << "many at a time";
+  std::filesystem::remove_all(folder);
+}
+
+// The answer of an update is lost; it is sent again as it was, and refused where it names the revision that it is of.
+TEST(SameBitsOverSocket, InAnUpdateThatIsSentTwice) {
+  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "meshfront_sent_twice";
+  std::filesystem::create_directories(folder);
+  const std::string in = folder / "in.ply", out = folder / "out.ply", session = folder / "session",
+                    faces = folder / "faces";
+  const ServerProcess server;
+  ASSERT_TRUE(WriteMeshFile(in, Shapes()[0]).ok());
+  std::ofstream list(faces);
+  for (int face = 0; face < 400; ++face) list << face << "\n";
+  list.close();
+  const std::string errors = folder / "errors";
+  const auto run = [&](const std::string& flags) {
+    return ChildProcess({"/bin/sh", "-c",
+                         absl::StrCat("'", MESHFRONT_PROGRAM, "' remesh ", flags, " --quiet --server ",
+                                      server.address(), " --region 'faces:", faces, "' 2>'", errors, "'")})
+        .Wait();
+  };
+  const std::string again = absl::StrCat("- '", out, "' --session '", session, "' --session-revision ");
+  ASSERT_EQ(run(absl::StrCat("'", in, "' '", out, "' --keep-session '", session, "'")), 0);
+  ASSERT_EQ(run(again + "0 --update-session"), 0);
+  ASSERT_EQ(run(again + "1"), 0);
+  const std::string of_one_update = BytesOf(out);
+  EXPECT_EQ(run(again + "0 --update-session"), 3);
+  EXPECT_THAT(BytesOf(errors), ::testing::HasSubstr(absl::StrCat("session ", session,
+                                                                 ": session_revision is 0; the session's mesh "
+                                                                 "was replaced, and is at 1 now")));
+  EXPECT_EQ(BytesOf(out), of_one_update) << "what was there stays";
+  ASSERT_EQ(run(again + "1"), 0);
+  EXPECT_EQ(BytesOf(out), of_one_update) << "it was not made twice";
+  std::filesystem::remove_all(folder);
+}
+
+// What the session can't hold is a result all the same, and the exit code says that the session has not got it.
+TEST(SameBitsOverSocket, InAnUpdateThatIsTooLargeForTheSession) {
+  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "meshfront_too_large";
+  std::filesystem::create_directories(folder);
+  const std::string in = folder / "in.ply", out = folder / "out.ply", session = folder / "session";
+  const ServerProcess server({"--max-session-mb", "1"});
+  ASSERT_TRUE(WriteMeshFile(in, testing::Icosphere(3)).ok());
+  const auto run = [&](const std::vector<std::string>& arguments) {
+    std::vector<std::string> command = {MESHFRONT_PROGRAM, "remesh", "--quiet", "--rho", "0.03"};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    return ChildProcess(command).Wait();
+  };
+  ASSERT_EQ(run({in, out, "--server", server.address(), "--keep-session", session}), 0);
+  const std::string whole = BytesOf(out);
+  std::filesystem::remove(out);
+  EXPECT_EQ(run({"-", out, "--server", server.address(), "--session", session, "--update-session"}), 5);
+  EXPECT_EQ(BytesOf(out), whole);
   std::filesystem::remove_all(folder);
 }
 

@@ -9,6 +9,7 @@
 #include "server/call_gate.h"
 #include "server/config.h"
 #include "server/pending_bytes.h"
+#include "server/session_result.h"
 #include "server/session_store.h"
 #include "server/upload_watch.h"
 #include "server/worker_pool.h"
@@ -195,6 +196,36 @@ TEST(SessionStore, MakesRoomForWhatReplaces) {
   EXPECT_EQ(beyond.code(), absl::StatusCode::kResourceExhausted);
   EXPECT_EQ(ReasonOf(beyond).reason, "SESSION_TOO_LARGE");
   EXPECT_EQ(store.Find(newest)->input, small);
+}
+
+// A sphere in two pieces, of which the store can keep the first.
+TEST(SessionResult, LetsGoOfWhatCannotBeKept) {
+  const TriangleMesh ball = testing::Icosphere(2);
+  const SessionStore store({4, Ball(2)->bytes(), absl::Minutes(1)});
+  std::vector<OutputVertex> vertices;
+  for (const Vec3& p : ball.positions) vertices.push_back({p, Vec3{0, 0, 1}});
+  const OutputVertex one_more[] = {{Vec3{}, Vec3{}}};
+  SessionResult result(store);
+  EXPECT_TRUE(result.Append({.vertices = vertices, .triangles = ball.triangles}).ok());
+  EXPECT_TRUE(result.status().ok()) << "it fits to the byte";
+  SessionResult too_large(store);
+  EXPECT_TRUE(too_large.Append({.vertices = vertices, .triangles = ball.triangles}).ok());
+  EXPECT_TRUE(too_large.Append({.vertices = one_more}).ok());
+  EXPECT_EQ(ReasonOf(too_large.status()).reason, "SESSION_TOO_LARGE");
+  EXPECT_TRUE(too_large.Append({.vertices = vertices}).ok());
+  EXPECT_TRUE(too_large.Take().positions.empty());
+  const TriangleMesh kept = result.Take();
+  EXPECT_EQ(kept.positions, ball.positions);
+  EXPECT_TRUE(kept.normals.empty());
+}
+
+TEST(SessionResult, BelievesPredictionsOnlySoFar) {
+  const SessionStore store({4, Ball(3)->bytes(), absl::Minutes(1)});
+  const SessionResult result(store);
+  const uint64_t fits = testing::Icosphere(3).triangles.size();
+  EXPECT_TRUE(result.CheckPrediction(fits).ok());
+  EXPECT_TRUE(result.CheckPrediction(fits * 2).ok()) << "it may be off";
+  EXPECT_EQ(ReasonOf(result.CheckPrediction(fits * 5 / 2)).reason, "SESSION_TOO_LARGE");
 }
 
 TEST(SessionStore, IsSafeToUseFromManyThreads) {

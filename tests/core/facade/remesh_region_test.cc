@@ -424,6 +424,56 @@ TEST(Region, LeavesFacesAsTheyAreWhereNoMeshComesOutRight) {
   }
 }
 
+// Narrow columns among wide ones, cut across: edges of 0.1 and 0.004 meet on the border.
+TEST(Region, WarnsWhereEdgesOfTheBorderDiffer) {
+  const auto warnings_of = [](const TriangleMesh& mesh) {
+    return RemeshRegion(mesh, {Box3{{-9, -0.5, -1}, {9, 0.5, 1}}}).report.warnings;
+  };
+  EXPECT_THAT(warnings_of(testing::Sheet(32)), ::testing::Not(Contains(HasSubstr("differ"))));
+  const TriangleMesh strips = testing::Mapped(testing::Sheet(32), [](const Vec3& p) {
+    const double column = std::round((p.x + 1) * 16), pair = std::floor(column / 2);
+    return Vec3{pair * 0.104 + (column > 2 * pair ? 0.004 : 0.0), p.y, p.z};
+  });
+  EXPECT_THAT(warnings_of(strips), Contains(HasSubstr("differ 25 times in length")));
+}
+
+// With attributes and without; where a mesh had to be mended the one that came is there as well.
+TEST(PreparedInput, TakesTheMemoryThatWasForeseen) {
+  TriangleMesh ball = testing::Icosphere(2);
+  EXPECT_EQ(Prepared(ball)->bytes(), PreparedInput::LeastBytes(PreparedInput::SizeOf(ball)));
+  ball.attributes.channels = {{"TEXCOORD_0", 2}};
+  for (const Triangle& t : ball.triangles)
+    ball.attributes.corners.push_back({t[0].index(), t[1].index(), t[2].index()});
+  ball.attributes.values.resize(2 * ball.positions.size());
+  EXPECT_EQ(Prepared(ball)->bytes(), PreparedInput::LeastBytes(PreparedInput::SizeOf(ball)));
+  const TriangleMesh soup = testing::Soup(testing::Icosphere(2));
+  EXPECT_GT(Prepared(soup)->bytes(), PreparedInput::LeastBytes(PreparedInput::SizeOf(soup)));
+}
+
+TEST(Remesh, AsksBeforeTheFirstTriangleWhetherItMayMakeSoMany) {
+  for (const bool is_region : {false, true}) {
+    uint64_t heard = 0;
+    absl::Status answer;
+    const auto remesh = [&](CollectingSink& sink) {
+      Problem problem{testing::Icosphere(3)};
+      if (is_region) problem.region = Region{RegionSphere{{0, 0, 1}, 0.6}};
+      problem.admit = [&](uint64_t triangles) {
+        EXPECT_TRUE(sink.mesh.triangles.empty());
+        heard = triangles;
+        return answer;
+      };
+      return Remesh(std::move(problem), sink, {});
+    };
+    CollectingSink sink, refused;
+    const absl::StatusOr<Report> report = remesh(sink);
+    ASSERT_THAT(report, IsOk());
+    EXPECT_EQ(heard, report->predicted_triangles);
+    answer = absl::ResourceExhaustedError("too many");
+    EXPECT_THAT(remesh(refused), StatusIs(absl::StatusCode::kResourceExhausted, "too many"));
+    EXPECT_TRUE(refused.mesh.triangles.empty());
+  }
+}
+
 TEST(PreparedInput, RefusesAPointSet) {
   TriangleMesh points = testing::Icosphere(2);
   points.triangles.clear();

@@ -10,6 +10,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tests/support/rounded_shapes.h"
 #include "tests/support/shapes.h"
 #include "tests/support/sharp_edges.h"
 #include "tests/support/slivers.h"
@@ -296,6 +297,35 @@ TEST(FindCreases, KeepAPocketInAFlatFace) {
     return p + Vec3{0, 0, 0.2 * p.x * p.x + 0.1 * p.y * p.y};
   });
   EXPECT_THAT(CreasesOf(bent), IsEmpty()) << "on a scan it may be noise";
+}
+
+TriangleMesh TurnedAndMoved(const TriangleMesh& mesh, double far) {
+  return testing::Moved(testing::Rotated(mesh, {0.3, 0.5, 0.8}, 0.7), {far, -2 * far, far});
+}
+
+// Faces 0.1 wide, and far from the origin few digits for them.
+TEST(FindCreases, KeepAPocketWhoseCoordinatesAreRounded) {
+  for (const double depth : {0.05, -0.05}) {
+    const TriangleMesh plate = PlateWithPocket(depth);
+    EXPECT_THAT(CreasesOf(testing::AsWritten(TurnedAndMoved(plate, 10), "%.6g")), SizeIs(12));
+    EXPECT_THAT(CreasesOf(testing::AsWritten(TurnedAndMoved(plate, 10), "%.4f")), SizeIs(12));
+    EXPECT_THAT(CreasesOf(testing::AsFloats(TurnedAndMoved(plate, 1000))), SizeIs(12));
+  }
+  // The same bumps with more digits, so that they are none of rounding.
+  const TriangleMesh rough =
+      testing::Scaled(testing::AsWritten(TurnedAndMoved(PlateWithPocket(0.05), 10), "%.6g"), 1.1 / 7);
+  EXPECT_THAT(CreasesOf(rough), IsEmpty());
+}
+
+// A sheet with narrow strips in it, which rounding turns by up to 50 degrees.
+TEST(FindCreases, AreNotMadeByRounding) {
+  const TriangleMesh strips = testing::Mapped(testing::Sheet(32), [](const Vec3& p) {
+    const double column = std::round((p.x + 1) * 16), pair = std::floor(column / 2);
+    return Vec3{pair * 0.1 + (column > 2 * pair ? 0.004 : 0.0), p.y, p.z};
+  });
+  EXPECT_THAT(CreasesOf(TurnedAndMoved(strips, 10)), IsEmpty());
+  for (const char* format : {"%.5g", "%.3f"})
+    EXPECT_THAT(CreasesOf(testing::AsWritten(TurnedAndMoved(strips, 10), format)), IsEmpty()) << format;
 }
 
 TEST(FindCreases, AreNotMadeByDegenerateFaces) {
