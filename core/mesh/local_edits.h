@@ -29,7 +29,7 @@ class LocalEdits {
  public:
   using Corners = std::array<VertexId, 3>;
   struct Between {
-    uint32_t triangles[2];
+    uint32_t triangles[2] = {};
     int count = 0;
   };
 
