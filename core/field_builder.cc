@@ -190,9 +190,9 @@ absl::Status FieldBuilder::MeasureThickness(const Context& context) {
   const double wanted = parameter_, wanted_detail = detail_;
   parameter_ = std::min(headroom_ * wanted, LargestParameter(limits_));
   detail_ *= headroom_;
-  std::vector<double> limits;
+  std::vector<double> limits(curvatures_.size());
   const double per_length = SheetReachPerLength(), longest = LongestSheetReach();
-  for (const double curvature : curvatures_) limits.push_back(std::min(per_length * IdealLengthAt(curvature), longest));
+  for (size_t v = 0; v < limits.size(); ++v) limits[v] = std::min(per_length * IdealLengthAt(curvatures_[v]), longest);
   auto distances = surface_.SheetDistances(limits, context);
   measured_ = std::exchange(parameter_, wanted);
   measured_detail_ = std::exchange(detail_, wanted_detail);
@@ -239,15 +239,15 @@ double FieldBuilder::CountBesideWidths(const GuidanceField& field) const {
 
 absl::StatusOr<std::vector<SizingSample>> FieldBuilder::Samples(uint64_t& clamped, const Context& context) {
   const auto ideal_length = [&](double max_curvature) { return IdealLengthAt(max_curvature); };
-  std::vector<double> lengths;
-  for (const double curvature : curvatures_) lengths.push_back(IdealLengthAt(curvature));
+  std::vector<double> lengths(curvatures_.size());
+  for (size_t v = 0; v < lengths.size(); ++v) lengths[v] = IdealLengthAt(curvatures_[v]);
   for (size_t v = 0; v < sheet_distances_.size() && limits_.sizing == Sizing::kThickness; ++v)
     lengths[v] = std::min(lengths[v], LengthForThickness(sheet_distances_[v]));
   MESHFRONT_ASSIGN_OR_RETURN(const std::vector<CurvatureSample> places,
                              surface_.CurvatureSamples(curvatures_, lengths, sheet_distances_, context));
   const bool uniform = limits_.sizing == Sizing::kUniform;
   std::vector<SizingSample> samples;
-  samples.reserve(uniform ? 0 : places.size());
+  samples.reserve(uniform ? 0 : places.size() + places.size() / 8 + added_.size() + widths_->size());  // and the rims'
   size_t too_close = 0;
   for (size_t i = 0; i < places.size(); ++i) {
     const CurvatureSample& place = places[i];

@@ -20,7 +20,8 @@ void OnAbort(int) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  meshfront::ReturnLargeArraysToTheSystem();
+  const bool serves = argc > 1 && std::strcmp(argv[1], "serve") == 0;
+  serves ? meshfront::ReturnLargeArraysToTheSystem() : meshfront::ReuseLargeArrays();
   meshfront::ShareHeapsBetweenThreads();
   meshfront::KeepReserveForErrors();
   signal(SIGABRT, OnAbort);

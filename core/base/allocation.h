@@ -16,10 +16,22 @@ namespace meshfront {
 
 // Arrays above a mebibyte get pages of their own, which go back to the system when they are freed. By default glibc raises that
 // threshold to the largest array freed so far, and what a stage leaves behind fragments the heap of the next one: igea at rho
-// 0.05 peaked 15 MB higher. Costs nothing measurable: such arrays are few.
+// 0.05 peaked 15 MB higher. For a server, whose memory many jobs share and which never ends.
 inline void ReturnLargeArraysToTheSystem() {
 #ifdef __GLIBC__
   mallopt(M_MMAP_THRESHOLD, 1 << 20);
+#endif
+}
+
+// Arrays of up to 16 MiB come from the heap, and what is freed stays there, up to 32 MiB at its end, for the next stage: a program that
+// does one job and ends. The system hands out each page of an array of its own anew and empty, which takes a tenth of the time of a
+// small job: igea at 20,000 triangles 38,000 pages and 0.72 s otherwise, 12,000 and 0.63 s with this, for 3 MB more at its peak. At rho
+// 0.05, 0.4 of 13 s for 44 MB.
+inline void ReuseLargeArrays() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 16 << 20);
+  mallopt(M_TRIM_THRESHOLD, 32 << 20);
+  mallopt(M_TOP_PAD, 1 << 20);
 #endif
 }
 

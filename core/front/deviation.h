@@ -14,6 +14,10 @@ struct PlaceAndFoot {
   Vec3 place;
   SourcePoint foot;
   double Gap() const { return Distance(place, foot.position); }
+  bool operator==(const PlaceAndFoot& other) const {
+    return place == other.place && foot.patch == other.foot.patch && foot.position == other.foot.position &&
+           foot.u == other.foot.u && foot.v == other.foot.v && foot.normal == other.foot.normal;
+  }
 };
 
 struct Deviation {

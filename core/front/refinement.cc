@@ -87,23 +87,36 @@ bool Refinement::NeedNotBeMeasured(WindowTriangleId id, const TriangleFeet& feet
   return true;
 }
 
+Refinement::Measurement& Refinement::PlaceToRemember(const Corners& c) {
+  remembered_.resize(kRemembered);
+  return remembered_[(c[0].index() * 0x9e3779b1u + c[1].index() * 0x85ebca6bu + c[2].index()) % kRemembered];
+}
+
 Deviation Refinement::MeasureCorners(const Corners& corners) {
   const std::array<PlaceAndFoot, 3> places = PlacesOf(corners);
-  if (!certain_ && meter_.SeemsNear(places, nullptr)) return {};
-  Deviation deviation = meter_.Measure(places);
-  MeasureDetails(corners, deviation);
+  Measurement& last = PlaceToRemember(corners);
+  if (last.bound != max_error_ || last.places != places) {
+    if (!certain_ && meter_.SeemsNear(places, nullptr)) return {};
+    last.deviation = meter_.Measure(places);
+    last.far_details = meter_.far_details();
+    last.places = places, last.bound = max_error_;
+  }
+  Deviation deviation = last.deviation;
+  MeasureDetails(corners, last.far_details, deviation);
   return deviation;
 }
 
 // The other way: the surface's corners that lie over the triangle, from the triangles around there.
-void Refinement::MeasureDetails(const Corners& corners, Deviation& deviation) {
+void Refinement::MeasureDetails(const Corners& corners, const std::vector<FarPlace>& details,
+                                Deviation& deviation) const {
+  if (details.empty()) return;
   const Vec3 normal = Normalized(
       AreaVector(fronts_.at(corners[0]).position, fronts_.at(corners[1]).position, fronts_.at(corners[2]).position));
   const double detail_bound = (certain_ ? kDetailPerCertainBound : kDetailPerBound) * max_error_;
   double longest = 0;
   for (int i = 0; i < 3; ++i)
     longest = std::max(longest, Distance(fronts_.at(corners[i]).position, fronts_.at(corners[(i + 1) % 3]).position));
-  for (const FarPlace& far : meter_.far_details()) {
+  for (const FarPlace& far : details) {
     if (Dot(far.above.normal, normal) < kMinAgreement) continue;  // of another side, reached around an edge
     const double enough = std::max(detail_bound, deviation.largest);
     const double distance = DistanceToOutput(far.above.position, corners, enough);
@@ -115,18 +128,25 @@ void Refinement::MeasureDetails(const Corners& corners, Deviation& deviation) {
   }
 }
 
-// To the triangle and those that share a corner with it; of distances up to `enough` any, the first that is found.
+// To the triangle and those that share a corner with it, once each; of distances up to `enough` any, the first that is found.
 double Refinement::DistanceToOutput(const Vec3& place, const Corners& corners, double enough) const {
   double least = INFINITY;
   const auto look_at = [&](const Corners& c) {
-    if (least <= enough) return;
     const TrianglePoint at =
         ClosestPointOnTriangle(place, fronts_.at(c[0]).position, fronts_.at(c[1]).position, fronts_.at(c[2]).position);
     least = std::min(least, Distance(place, at.position));
   };
   look_at(corners);
-  for (const WindowVertexId v : corners)
-    fronts_.VisitFan(v, [&](WindowTriangleId t, int) { look_at(fronts_.at(t).corners); });
+  for (int i = 0; i < 3; ++i) {
+    fronts_.VisitFan(corners[i], [&](WindowTriangleId t, int corner) {
+      if (least <= enough) return;
+      const Corners& c = fronts_.at(t).corners;
+      const WindowVertexId next = c[corner == 2 ? 0 : corner + 1], last = c[corner == 0 ? 2 : corner - 1];
+      bool is_known = next == corners[(i + 1) % 3] && last == corners[(i + 2) % 3];
+      for (int k = 0; k < i; ++k) is_known |= (next == corners[k]) | (last == corners[k]);
+      if (!is_known) look_at(c);
+    });
+  }
   return least;
 }
 

@@ -60,7 +60,15 @@ class Refinement {
   using Corners = std::array<WindowVertexId, 3>;
   std::array<PlaceAndFoot, 3> PlacesOf(const Corners& corners) const;
   Deviation MeasureCorners(const Corners& corners);
-  void MeasureDetails(const Corners& corners, Deviation& deviation);
+  // What a triangle was measured to deviate by itself, before details were looked at from the triangles around.
+  struct Measurement {
+    std::array<PlaceAndFoot, 3> places;
+    double bound = -1;  // none yet
+    Deviation deviation;
+    std::vector<FarPlace> far_details;
+  };
+  Measurement& PlaceToRemember(const Corners& corners);
+  void MeasureDetails(const Corners& corners, const std::vector<FarPlace>& details, Deviation& deviation) const;
   double DistanceToOutput(const Vec3& place, const Corners& corners, double enough) const;
   double RatioOf(const Corners& corners) const;
   bool TryLift(WindowTriangleId t, Deviation deviation);
@@ -112,6 +120,9 @@ class Refinement {
   DeviationMeter meter_;
   double least_ratio_ = 0;  // of new triangles
   uint64_t rim_insertions_ = 0;
+  // The same triangles are measured again: before they are mended, and in the rounds after that. By a hash of their corners.
+  static constexpr size_t kRemembered = 1024;
+  std::vector<Measurement> remembered_;
   std::vector<WindowVertexId> made_;  // by this call of Refine
   std::vector<uint8_t> touched_;      // triangle slots that this call has changed
 };

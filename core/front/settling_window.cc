@@ -45,12 +45,18 @@ constexpr double kMostPerMeasured = 1.5;
 constexpr int kRefinementRings = 2;  // around new vertices, that move with them
 constexpr size_t kMaxRing = 24;      // vertices around one that is removed
 constexpr double kSliver = 0.25;     // radius ratio below which a triangle is worth another try of the front
+constexpr double kSineSquaredOf22Degrees = 0.1403301;
 
+// Each once, in order. `slots`: ids are below.
 template <class Id>
-std::vector<Id> MadeUnique(std::vector<Id> ids) {
-  std::sort(ids.begin(), ids.end());
-  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-  return ids;
+std::vector<Id> MadeUnique(const std::vector<Id>& ids, size_t slots) {
+  std::vector<uint8_t> is_among(slots, 0);
+  for (const Id id : ids) is_among[id.index()] = 1;
+  std::vector<Id> unique;
+  for (uint32_t i = 0; i < slots; ++i) {
+    if (is_among[i]) unique.push_back(Id(i));
+  }
+  return unique;
 }
 
 // Squared sine of the smallest angle: twice the area over the product of the two longest sides, squared. From the squares of
@@ -62,6 +68,11 @@ inline double SquaredSineOfSquares(double ab, double bc, double ca, double area)
 inline double MinSquaredSine(const Vec3& a, const Vec3& b, const Vec3& c) {
   return SquaredSineOfSquares(SquaredDistance(a, b), SquaredDistance(b, c), SquaredDistance(c, a),
                               SquaredNorm(AreaVector(a, b, c)));
+}
+
+// Of two angles of 22° and one of 136° the ratio is the least that goes with that smallest angle, 0.27.
+bool IsSliver(const Vec3& a, const Vec3& b, const Vec3& c) {
+  return MinSquaredSine(a, b, c) < kSineSquaredOf22Degrees && RadiusRatio(a, b, c) < kSliver;
 }
 
 double NormalAgreement(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& na, const Vec3& nb, const Vec3& nc) {
@@ -297,8 +308,10 @@ void SettlingWindow::RemovalSweep() {
     for (int i = 0; i < 3; ++i) {
       const WindowTriangle& t = fronts_.at(id);
       if (!t.alive) break;
-      const auto place = [&](int corner) { return fronts_.at(t.corners[corner]).position; };
-      if (RadiusRatio(place(0), place(1), place(2)) >= kSliver) break;
+      if (!IsSliver(fronts_.at(t.corners[0]).position, fronts_.at(t.corners[1]).position,
+                    fronts_.at(t.corners[2]).position)) {
+        break;
+      }
       NoteChange(id);  // what is around it may change: the next sweep looks again
       if (TryRemoval(t.corners[i])) break;
     }
@@ -500,7 +513,7 @@ void SettlingWindow::ChooseNear(const std::vector<WindowVertexId>& made) {
       });
     }
   }
-  near = MadeUnique(std::move(near));
+  near = MadeUnique(near, fronts_.vertex_slots());
   chosen_.clear();
   for (const WindowVertexId v : near) {
     wanted[v.index()] = IsReached(fronts_.at(v));
@@ -519,7 +532,7 @@ void SettlingWindow::RoundOff(const std::vector<WindowTriangleId>& triangles) {
     if (RadiusRatio(place(0), place(1), place(2)) < kSearchBelow)
       corners.insert(corners.end(), t.corners.begin(), t.corners.end());
   }
-  refinement_.RoundOff(MadeUnique(std::move(corners)));
+  refinement_.RoundOff(MadeUnique(corners, fronts_.vertex_slots()));
   refinement_.TurnAway(triangles);
 }
 
@@ -560,7 +573,7 @@ void SettlingWindow::KeepMaxError(const Context& context) {
   int round = 0;
   while (round < kMovedRounds && refine(Refinement::Manner::kSides)) ++round;
   while (round < kMovedRounds + kPlainRounds && refine(Refinement::Manner::kWorstPlace)) ++round;
-  around_ = MadeUnique(all);
+  around_ = MadeUnique(all, fronts_.triangle_slots());
   feet_.clear();
   if (IsBeyondMended()) {
     const auto is_within = [&](WindowTriangleId t) { return !IsBeyond(t); };
@@ -568,7 +581,7 @@ void SettlingWindow::KeepMaxError(const Context& context) {
     for (round = 0; round < kLastRounds && refine(Refinement::Manner::kAnyShape); ++round) continue;
   }
   if (options_.smooth) RoundOff(all);
-  around_ = MadeUnique(all);  // for those who look for what has changed
+  around_ = MadeUnique(all, fronts_.triangle_slots());  // for those who look for what has changed
 }
 
 // Where a count is wanted the bound is what comes of it.
@@ -589,8 +602,10 @@ void SettlingWindow::FindSlivers() {
   for (const WindowTriangleId id : around_) {
     const WindowTriangle& t = fronts_.at(id);
     if (!t.alive || t.audit != AuditMark::kNone || !Leaves(id)) continue;
-    const auto place = [&](int i) { return fronts_.at(t.corners[i]).position; };
-    if (RadiusRatio(place(0), place(1), place(2)) < kSliver) slivers_.push_back(id);
+    if (IsSliver(fronts_.at(t.corners[0]).position, fronts_.at(t.corners[1]).position,
+                 fronts_.at(t.corners[2]).position)) {
+      slivers_.push_back(id);
+    }
   }
 }
 
@@ -647,7 +662,7 @@ WindowTrianglePairs SettlingWindow::AuditUnfitted(WindowTrianglePairs pairs) {
     for (const WindowTriangleId id : {s, t})
       helpless.insert(helpless.end(), fronts_.at(id).corners.begin(), fronts_.at(id).corners.end());
   }
-  helpless = MadeUnique(std::move(helpless));
+  helpless = MadeUnique(helpless, fronts_.vertex_slots());
   for (const auto& [v, before] : moved) {
     if (std::binary_search(helpless.begin(), helpless.end(), v)) Place(v, before);
   }

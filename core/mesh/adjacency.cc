@@ -172,25 +172,24 @@ std::vector<std::vector<uint32_t>> FindBoundaryLoops(const FaceAdjacency& adjace
   return loops;
 }
 
+// Sets of faces, each led by its first, along the order of the faces: a mesh lists neighbours near each other, so that the memory is
+// gone through nearly in order. Rejected: a search from each component's first face, fewer instructions, which jumps about.
 FaceComponents LabelComponents(const FaceAdjacency& adjacency) {
   FaceComponents out;
-  out.label.assign(adjacency.opposite.size(), kNoHalfEdge);
-  std::vector<uint32_t> pending(out.label.size());  // each face waits once
-  uint32_t* const label = out.label.data();
-  for (uint32_t seed = 0; seed < out.label.size(); ++seed) {
-    if (label[seed] != kNoHalfEdge) continue;
-    label[seed] = out.count;
-    uint32_t* last = pending.data();
-    *last++ = seed;
-    while (last != pending.data()) {
-      for (const uint32_t h : adjacency.opposite[*--last]) {
-        if (h == kNoHalfEdge || label[FaceOfHalfEdge(h)] != kNoHalfEdge) continue;
-        label[FaceOfHalfEdge(h)] = out.count;
-        *last++ = FaceOfHalfEdge(h);
-      }
+  out.label.resize(adjacency.opposite.size());
+  uint32_t* const earlier = out.label.data();  // at first: a face of the same set, itself where it is the first
+  for (uint32_t f = 0; f < adjacency.opposite.size(); ++f) {
+    uint32_t first = f;
+    earlier[f] = f;
+    for (const uint32_t h : adjacency.opposite[f]) {
+      if (h >= 3 * f) continue;  // of a later face, or none
+      uint32_t other = FaceOfHalfEdge(h);
+      while (earlier[other] != other) other = earlier[other] = earlier[earlier[other]];
+      earlier[std::max(first, other)] = std::min(first, other);
+      first = std::min(first, other);
     }
-    ++out.count;
   }
+  for (uint32_t f = 0; f < out.label.size(); ++f) earlier[f] = earlier[f] == f ? out.count++ : out.label[earlier[f]];
   return out;
 }
 

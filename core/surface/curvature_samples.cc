@@ -143,7 +143,7 @@ absl::StatusOr<std::vector<CurvatureSample>> MeshSurface::CurvatureSamples(absl:
                                                                            absl::Span<const double> sheet_distances,
                                                                            const Context& context) const {
   std::vector<CurvatureSample> samples;
-  samples.reserve(mesh_.positions.size());
+  samples.reserve(mesh_.positions.size() + mesh_.positions.size() / 4);  // with those inside long edges, of a scan
   for (size_t v = 0; v < mesh_.positions.size(); ++v) {
     if (adjacency_.outgoing[v] == kNoHalfEdge) continue;
     const double distance = sheet_distances.empty() ? INFINITY : sheet_distances[v];

@@ -8,9 +8,12 @@
 #include "core/surface/shadow.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
+#include <cstring>
+#include <memory>
 
+#include "absl/base/attributes.h"
+#include "core/base/processor.h"
 #include "core/surface/face_queue.h"
 #include "core/surface/tolerances.h"
 
@@ -21,8 +24,9 @@ using namespace surface_tolerances;
 
 constexpr int Next(int corner) { return corner == 2 ? 0 : corner + 1; }
 
-// Two doubles side by side. Each lane rounds as a scalar does, so pairs change no bit.
-typedef double Pair __attribute__((vector_size(16)));
+// Four doubles side by side. Each lane rounds as a scalar does, so that the processor's width changes no bit.
+typedef double Quad __attribute__((vector_size(32)));
+typedef int64_t Bits __attribute__((vector_size(32)));
 
 // A point against the triangle: its weights of the three corners, in the plane, and its height over that.
 struct alignas(16) Over {
@@ -33,29 +37,24 @@ struct alignas(16) Over {
 // Where the cover of the triangle is looked at: its weights are those of no place that anything symmetric would have an edge over.
 constexpr double kProbe[3] = {0.3276041, 0.3391573, 0.3332386};
 
-// Which lanes of a comparison hold, a bit each.
-inline uint32_t BitsOf(const decltype(Pair{} < Pair{}) & lanes) {
-#ifdef __SSE2__
-  return static_cast<uint32_t>(__builtin_ia32_movmskpd(std::bit_cast<Pair>(lanes)));
-#else
-  return static_cast<uint32_t>((lanes[0] & 1) | (lanes[1] & 2));
-#endif
-}
-
 // A corner of a face, and what each of its faces asks about it, a bit each.
 struct SeenCorner {
   static constexpr uint32_t kFar = 1;                // from the triangle's plane
   static constexpr uint32_t kBeside = 7u << 1;       // beyond side i by more than what belongs to it
   static constexpr uint32_t kOffProbe = 0x3fu << 4;  // by weight i lower, and not lower, than the probe
   static constexpr uint32_t kOutside = 7u << 10;     // beyond side i
+  static constexpr uint32_t kFirstOutside = 1u << 10;
+  static constexpr uint32_t kTold = 1u << 13;  // it is among the far places
   Over over;
   uint32_t code;
-  bool IsFarDetail() const { return (code & (kFar | kBeside)) == kFar; }
+  static bool IsFarDetail(uint32_t code) { return (code & (kFar | kBeside)) == kFar; }
+  static bool IsUntoldDetail(uint32_t code) { return (code & (kFar | kBeside | kTold)) == kFar; }
 };
-// A face that the search has reached, and the places of its corners among those seen.
+// A face that the search has reached, the places of its corners among those seen, and by which half-edge it was reached.
 struct SeenFace {
   uint32_t face;
   uint32_t corner[3];
+  int entered;  // 3: the first face
 };
 
 class ShadowFrame {
@@ -67,13 +66,16 @@ class ShadowFrame {
     if (is_flat_) return;
     const Vec3 to_second = Cross(e2, n) / n2, to_third = Cross(n, e1) / n2;
     normal_ = n / std::sqrt(n2);
-    x_ = Pair{to_second.x, to_third.x}, y_ = Pair{to_second.y, to_third.y}, z_ = Pair{to_second.z, to_third.z};
+    x_ = Quad{0, to_second.x, to_third.x, normal_.x};
+    y_ = Quad{0, to_second.y, to_third.y, normal_.y};
+    z_ = Quad{0, to_second.z, to_third.z, normal_.z};
   }
   bool is_flat() const { return is_flat_; }
-  Over At(const Vec3& p) const {
+  // Three weights and the height, as Over has them.
+  ABSL_ATTRIBUTE_ALWAYS_INLINE void Place(const Vec3& p, Quad& over) const {
     const Vec3 d = p - origin_;
-    const Pair vw = d.x * x_ + d.y * y_ + d.z * z_;
-    return {{1 - vw[0] - vw[1], vw[0], vw[1]}, Dot(d, normal_)};
+    over = d.x * x_ + d.y * y_ + d.z * z_;
+    over[0] = 1 - over[1] - over[2];
   }
   const Vec3& normal() const { return normal_; }
   Vec3 PlaceOf(const double (&weight)[3]) const {
@@ -83,16 +85,16 @@ class ShadowFrame {
  private:
   std::array<Vec3, 3> corners_;
   Vec3 origin_, normal_;
-  Pair x_, y_, z_;  // what to multiply with for the weights of the second and the third corner
+  Quad x_, y_, z_;  // what to multiply with for the weights of the second and the third corner, and for the height
   bool is_flat_ = false;
 };
 
 double LeastWeight(const Over& o) { return std::min({o.weight[0], o.weight[1], o.weight[2]}); }
 
-// Both beyond one side of the triangle by more than `margin`.
+// Both beyond one side of the triangle, or no farther inside than `margin`.
 bool LieBeside(const Over& a, const Over& b, double margin) {
   for (int i = 0; i < 3; ++i) {
-    if (a.weight[i] < -margin && b.weight[i] < -margin) return true;
+    if (a.weight[i] < margin && b.weight[i] < margin) return true;
   }
   return false;
 }
@@ -105,8 +107,9 @@ double TurnAround(const Over& a, const Over& b, const double (&q)[3]) {
   return (b.weight[1] - a.weight[1]) * (q[2] - a.weight[2]) - (b.weight[2] - a.weight[2]) * (q[1] - a.weight[1]);
 }
 // 1 where the place lies under a face that faces the triangle, −1 where under one that turns away, else 0.
-int SideOver(const Over (&c)[3], const double (&q)[3]) {
-  const double s = TurnAround(c[0], c[1], q), t = TurnAround(c[1], c[2], q), u = TurnAround(c[2], c[0], q);
+int SideOver(const std::array<SeenCorner*, 3>& c, const double (&q)[3]) {
+  const double s = TurnAround(c[0]->over, c[1]->over, q), t = TurnAround(c[1]->over, c[2]->over, q),
+               u = TurnAround(c[2]->over, c[0]->over, q);
   return s >= 0 && t >= 0 && u >= 0 ? 1 : s <= 0 && t <= 0 && u <= 0 ? -1 : 0;
 }
 
@@ -147,12 +150,12 @@ class ShadowCaster {
         shadow_(shadow) {}
 
   // All faces over the triangle, from one on. False where they are too many.
-  bool LookAtAll(uint32_t start) {
-    scratch_.faces.clear(), scratch_.corners.clear(), scratch_.marks.Clear();
+  MESHFRONT_WIDE bool LookAtAll(uint32_t start) {
+    scratch_.marks.Clear();
     scratch_.marks.Mark(start);
     for (int i = 0; i < 3; ++i) See(mesh_.Corner(start, i));
-    scratch_.faces.push_back({start, {0, 1, 2}});
-    for (size_t i = 0; i < scratch_.faces.size(); ++i) {
+    scratch_.faces[face_count_++] = {start, {0, 1, 2}, 3};
+    for (uint32_t i = 0; i < face_count_; ++i) {
       if (i == kMaxShadowFaces) return false;
       LookAt(scratch_.faces[i]);
     }
@@ -170,37 +173,35 @@ class ShadowCaster {
   }
 
  private:
-  void See(const Vec3& corner) {
-    const Over over = frame_.At(corner);
-    const Pair first{over.weight[0], over.weight[1]}, second{over.weight[2], over.height};
-    // Bit i: whether weight i is below limit i; the height never is.
-    const auto below = [&](double x, double y, double z) {
-      return BitsOf(first < Pair{x, y}) | BitsOf(second < Pair{z, -INFINITY}) << 2;
-    };
-    const auto is_far = static_cast<uint32_t>(std::abs(over.height) > bound_);
-    const uint32_t below_probe = below(kProbe[0], kProbe[1], kProbe[2]);
+  ABSL_ATTRIBUTE_ALWAYS_INLINE void See(const Vec3& corner) {
+    Quad over;
+    frame_.Place(corner, over);
+    // A lane for each weight; the height's asks nothing.
     static_assert(SeenCorner::kFar == 1 && SeenCorner::kBeside == 7u << 1 && SeenCorner::kOffProbe == 0x3fu << 4 &&
                   SeenCorner::kOutside == 7u << 10);
-    scratch_.corners.push_back({over, is_far | below(-beside_, -beside_, -beside_) << 1 | below_probe << 4 |
-                                          (7 - below_probe) << 7 | below(0, 0, 0) << 10});
+    const Bits beside = over < Quad{-beside_, -beside_, -beside_, -INFINITY};
+    const Bits below = over < Quad{kProbe[0], kProbe[1], kProbe[2], -INFINITY};
+    const Bits outside = over < Quad{0, 0, 0, -INFINITY};
+    const Bits asked = (beside & Bits{1 << 1, 1 << 2, 1 << 3, 0}) | (outside & Bits{1 << 10, 1 << 11, 1 << 12, 0}) |
+                       (below ? Bits{1 << 4, 1 << 5, 1 << 6, 0} : Bits{1 << 7, 1 << 8, 1 << 9, 0});
+    SeenCorner& seen = scratch_.corners[corner_count_++];
+    std::memcpy(&seen.over, &over, sizeof(over));
+    seen.code = static_cast<uint32_t>(asked[0] | asked[1] | asked[2]) |
+                static_cast<uint32_t>(std::abs(seen.over.height) > bound_);
   }
-  void LookAt(const SeenFace at) {
-    const SeenCorner* const seen = scratch_.corners.data();
+  ABSL_ATTRIBUTE_ALWAYS_INLINE void LookAt(const SeenFace& at) {
+    const SeenCorner* const seen = scratch_.corners.get();
     const uint32_t code[3] = {seen[at.corner[0]].code, seen[at.corner[1]].code, seen[at.corner[2]].code};
     // What lies beyond one side has nothing over the triangle but corners that belong to it.
     const bool is_far =
         ((code[0] | code[1] | code[2]) & SeenCorner::kFar) != 0 &&
-        ((code[0] & code[1] & code[2] & SeenCorner::kOutside) == 0 || seen[at.corner[0]].IsFarDetail() ||
-         seen[at.corner[1]].IsFarDetail() || seen[at.corner[2]].IsFarDetail());
+        ((code[0] & code[1] & code[2] & SeenCorner::kOutside) == 0 || SeenCorner::IsFarDetail(code[0]) ||
+         SeenCorner::IsFarDetail(code[1]) || SeenCorner::IsFarDetail(code[2]));
     const bool may_cover = (code[0] & code[1] & code[2] & SeenCorner::kOffProbe) == 0;
-    if (is_far || may_cover) {
-      const Over corners[3] = {seen[at.corner[0]].over, seen[at.corner[1]].over, seen[at.corner[2]].over};
-      if (is_far && FacesTriangle(at.face)) Collect(at.face, corners);
-      if (may_cover) cover_ += SideOver(corners, kProbe);
-    }
+    if (is_far || may_cover) Consider(at, is_far, may_cover);
     for (int i = 0; i < 3; ++i) {
       const int next = Next(i);
-      if ((code[i] & code[next] & SeenCorner::kBeside) != 0) continue;
+      if (i == at.entered || (code[i] & code[next] & SeenCorner::kBeside) != 0) continue;
       const uint32_t across = mesh_.opposite[3 * at.face + i];
       if (across != kNoHalfEdge)
         Reach(across, at.corner[next], at.corner[i]);
@@ -208,19 +209,24 @@ class ShadowCaster {
         MeetRim(at.face, scratch_.corners[at.corner[i]].over, scratch_.corners[at.corner[next]].over);
     }
   }
+  void Consider(const SeenFace& at, bool is_far, bool may_cover) {
+    SeenCorner* const seen = scratch_.corners.get();
+    const std::array<SeenCorner*, 3> corners = {&seen[at.corner[0]], &seen[at.corner[1]], &seen[at.corner[2]]};
+    if (is_far) Collect(at.face, corners);
+    if (may_cover) cover_ += SideOver(corners, kProbe);
+  }
   // The face of a half-edge whose ends have been seen.
-  void Reach(uint32_t half_edge, uint32_t from, uint32_t to) {
+  ABSL_ATTRIBUTE_ALWAYS_INLINE void Reach(uint32_t half_edge, uint32_t from, uint32_t to) {
     const uint32_t face = half_edge / 3;
     if (!scratch_.marks.Mark(face)) return;
     const int first = static_cast<int>(half_edge % 3), second = Next(first), third = Next(second);
-    SeenFace reached{face, {}};
-    reached.corner[first] = from, reached.corner[second] = to;
-    reached.corner[third] = static_cast<uint32_t>(scratch_.corners.size());
+    SeenFace& reached = scratch_.faces[face_count_++];
+    reached.face = face, reached.entered = first;
+    reached.corner[first] = from, reached.corner[second] = to, reached.corner[third] = corner_count_;
     See(mesh_.Corner(face, third));
-    scratch_.faces.push_back(reached);
   }
   void MeetRim(uint32_t face, const Over& a, const Over& b) {
-    if (!LieBeside(a, b, -kOnRim)) WidenStrip(face, a, b);
+    if (!LieBeside(a, b, kOnRim)) WidenStrip(face, a, b);
   }
   // Makes one of the strips along the triangle's sides hold the edge of a rim.
   void WidenStrip(uint32_t face, const Over& a, const Over& b) {
@@ -261,17 +267,20 @@ class ShadowCaster {
     const Vec3& a = mesh_.Corner(face, 0);
     return Dot(Cross(mesh_.Corner(face, 1) - a, mesh_.Corner(face, 2) - a), frame_.normal()) > 0;
   }
-  void Collect(uint32_t face, const Over (&corners)[3]) {
+  void Collect(uint32_t face, const std::array<SeenCorner*, 3>& corners) {
     for (int i = 0; i < 3; ++i) {
-      const Over &a = corners[i], &b = corners[Next(i)];
-      if (LeastWeight(a) >= -beside_) AddIfFar(face, i, 0, a);
-      if (!LieBeside(a, b, 0)) CrossSides(face, i, a, b);
+      SeenCorner &a = *corners[i], &b = *corners[Next(i)];
+      if (SeenCorner::IsUntoldDetail(a.code) && AddIfFar(face, i, 0, a.over)) a.code |= SeenCorner::kTold;
+      // Heights are largest at the ends of an edge.
+      if (((a.code | b.code) & SeenCorner::kFar) != 0 && (a.code & b.code & SeenCorner::kOutside) == 0)
+        CrossSides(face, i, a, b);
     }
     if (with_doubtful_) AddIfDoubtful(face, corners);
   }
   // What the face covers of the triangle, if a corner of that is too far from it.
-  void AddIfDoubtful(uint32_t face, const Over (&corners)[3]) {
-    Polygon covered{{corners[0], corners[1], corners[2]}, 3};
+  void AddIfDoubtful(uint32_t face, const std::array<SeenCorner*, 3>& corners) {
+    if (!FacesTriangle(face)) return;
+    Polygon covered{{corners[0]->over, corners[1]->over, corners[2]->over}, 3};
     for (int side = 0; side < 3 && covered.size > 0; ++side) covered = ClippedAgainst(side, covered);
     const auto is_far = [&](const Over& at) {
       return std::abs(at.height) > bound_ &&
@@ -281,33 +290,39 @@ class ShadowCaster {
     const auto place = [&](int i) { return frame_.PlaceOf(covered.corner[i].weight); };
     for (int i = 1; i + 1 < covered.size; ++i) shadow_.doubtful.push_back({{place(0), place(i), place(i + 1)}, face});
   }
-  void CrossSides(uint32_t face, int edge, const Over& a, const Over& b) {
+  void CrossSides(uint32_t face, int edge, const SeenCorner& from, const SeenCorner& to) {
+    const uint32_t crossed = (from.code ^ to.code) & SeenCorner::kOutside;
+    const Over &a = from.over, &b = to.over;
     for (int side = 0; side < 3; ++side) {
-      if ((a.weight[side] < 0) == (b.weight[side] < 0)) continue;
+      if ((crossed >> side & SeenCorner::kFirstOutside) == 0) continue;
       const double t = a.weight[side] / (a.weight[side] - b.weight[side]);
       Over at = Between(a, b, t);
       at.weight[side] = 0;
       if (LeastWeight(at) >= 0) AddIfFar(face, edge, t, at);
     }
   }
-  void AddIfFar(uint32_t face, int edge, double t, const Over& over) {
-    if (!(std::abs(over.height) > bound_)) return;
+  // Whether it is among the far places.
+  bool AddIfFar(uint32_t face, int edge, double t, const Over& over) {
+    if (!(std::abs(over.height) > bound_) || !FacesTriangle(face)) return false;
     const Vec3 place = mesh_.Corner(face, edge) + t * (mesh_.Corner(face, Next(edge)) - mesh_.Corner(face, edge));
     const Vec3 below = place - over.height * frame_.normal();
     const bool is_vertex = t == 0;
-    if (!is_vertex && !(ClosestOnFace(mesh_, face, below).squared_distance > bound_ * bound_)) return;
+    if (!is_vertex && !(ClosestOnFace(mesh_, face, below).squared_distance > bound_ * bound_)) return false;
     for (const ShadowHit& known : shadow_.far) {
-      if (known.above.position == place) return;  // from another face
+      if (known.above.position == place) return true;  // from another face
     }
     double weights[3] = {0, 0, 0};
     weights[edge] = 1 - t, weights[Next(edge)] = t;
     shadow_.far.push_back({below, {face, weights[1], weights[2], place}, is_vertex, LeastWeight(over) < 0});
+    return true;
   }
 
   // To be kept for each thread.
   struct Scratch {
-    std::vector<SeenFace> faces;
-    std::vector<SeenCorner> corners;
+    static constexpr size_t kMost =
+        2 * kMaxShadowFaces + 3;  // each face reaches two more, and each of those adds a corner
+    std::unique_ptr<SeenFace[]> faces = std::make_unique_for_overwrite<SeenFace[]>(kMost);
+    std::unique_ptr<SeenCorner[]> corners = std::make_unique_for_overwrite<SeenCorner[]>(kMost);
     FaceMarks marks;
   };
   static Scratch& ThreadScratch() {
@@ -321,7 +336,8 @@ class ShadowCaster {
   const bool with_doubtful_;
   Shadow& shadow_;
   Scratch& scratch_ = ThreadScratch();
-  int cover_ = 0;         // of the probe
+  uint32_t face_count_ = 0, corner_count_ = 0;  // of those in the scratch
+  int cover_ = 0;                               // of the probe
   double strip_[3] = {};  // weights up to which rims pass along the triangle's sides, by the corner across
   uint32_t strip_face_[3] = {};
 };

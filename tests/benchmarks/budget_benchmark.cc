@@ -134,9 +134,10 @@ void BM_PlaceFreeVertex(benchmark::State& state) {
 BENCHMARK(BM_PlaceFreeVertex);
 
 // Seconds for the whole front, and its triangles.
-std::pair<double, size_t> Advance(const GuidanceField& field, bool settled) {
+std::pair<double, size_t> Advance(const GuidanceField& field, bool settled, double max_error = INFINITY) {
   CountingSink sink;
-  const FrontOptions options{.flips = settled, .smooth = settled, .fit = settled};
+  const FrontOptions options{
+      .flips = settled, .smooth = settled, .fit = settled, .max_error = max_error, .max_insertions = 1e6};
   const auto start = std::chrono::steady_clock::now();
   if (!AdvanceFront(Surface(), field, {}, {Surface().AtFace(FaceId(0), 0.3, 0.3)}, options, sink, Context{}).ok())
     std::abort();
@@ -165,6 +166,20 @@ void BM_Settle(benchmark::State& state) {
   Count(state, static_cast<double>(triangles), 2e-6);
 }
 BENCHMARK(BM_Settle)->UseManualTime()->Unit(benchmark::kMillisecond);
+
+// Per triangle: what a bound takes beyond that, that few exceed where a count is wanted. Argument: in ten thousandths.
+void BM_KeepMaxError(benchmark::State& state) {
+  const GuidanceField field = FieldOf(Samples());
+  size_t triangles = 0;
+  for (auto _ : state) {
+    const double unbounded = Advance(field, true).first;
+    const auto [seconds, count] = Advance(field, true, 1e-4 * static_cast<double>(state.range(0)));
+    state.SetIterationTime(std::max(0.0, seconds - unbounded));
+    triangles = count;
+  }
+  Count(state, static_cast<double>(triangles), 2e-6);
+}
+BENCHMARK(BM_KeepMaxError)->Arg(10)->Arg(100)->UseManualTime()->Unit(benchmark::kMillisecond);
 
 // Per triangle: 250,000 a second.
 void BM_Front(benchmark::State& state) {

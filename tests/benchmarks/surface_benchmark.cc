@@ -121,25 +121,26 @@ void BM_TraceWay(benchmark::State& state) {
 }
 BENCHMARK(BM_TraceWay)->Arg(1)->Arg(4);
 
-// Whether equilateral triangles keep a bound that nothing exceeds. Argument: edge length in mean input edges; an item is a face of
-// the input's size under them.
+// Whether equilateral triangles keep a bound. Arguments: edge length in mean input edges, and the bound in hundredths of it, of which
+// nothing exceeds 100; an item is a face of the input's size under them.
 void BM_FindFarPlaces(benchmark::State& state) {
   const double ratio = static_cast<double>(state.range(0)), length = ratio * MeanEdge();
   std::vector<std::array<SourcePoint, 3>> triangles;
   for (const auto& [a, b] : Edges(length)) {
     if (const auto apex = Surface().FindApex(a, b, length, length)) triangles.push_back({b, a, *apex});
   }
+  const double bound = 0.01 * static_cast<double>(state.range(1)) * length;
   std::vector<FarPlace> far;
   std::vector<DoubtfulPart> doubtful;
   size_t i = 0;
   for (auto _ : state) {
     const auto& t = triangles[i++ % triangles.size()];
     benchmark::DoNotOptimize(
-        Surface().FindFarPlaces(t[0], {t[0].position, t[1].position, t[2].position}, length, 0, far, &doubtful));
+        Surface().FindFarPlaces(t[0], {t[0].position, t[1].position, t[2].position}, bound, 0, far, &doubtful));
   }
   state.SetItemsProcessed(static_cast<int64_t>(ratio * ratio * static_cast<double>(state.iterations())));
 }
-BENCHMARK(BM_FindFarPlaces)->Arg(2)->Arg(5);
+BENCHMARK(BM_FindFarPlaces)->ArgNames({"edges", "bound"})->Args({2, 100})->Args({5, 100})->Args({5, 2});
 
 }  // namespace
 }  // namespace meshfront

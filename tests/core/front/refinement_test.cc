@@ -132,6 +132,53 @@ TEST(Refinement, MovesNoVertexOutOfTheBound) {
   EXPECT_EQ(fronts.at(middle).position, Vec3(0, 0, 1.01));
 }
 
+// A sphere that counts the walks over it.
+class WalkedSphere : public SphereSurface {
+ public:
+  using SphereSurface::SphereSurface;
+  SourcePoint Snap(const SourcePoint& start, const Vec3& target) const override {
+    ++walks_;
+    return SphereSurface::Snap(start, target);
+  }
+  int walks() const { return walks_; }
+
+ private:
+  mutable int walks_ = 0;
+};
+
+// A triangle on a sphere's cap, measured again as it is, moved, moved back, and against another bound.
+TEST(Refinement, WalksAgainForWhatHasChangedOnly) {
+  const WalkedSphere sphere;
+  FrontSet fronts;
+  std::vector<WindowVertexId> v;
+  for (int i = 0; i < 3; ++i) {
+    const double angle = -2 * std::numbers::pi / 3 * i;
+    v.push_back(fronts.AddVertex(sphere.Project({0.2 * std::cos(angle), 0.2 * std::sin(angle), 1}, 0), 1, 1));
+  }
+  const FrontEdgeId e = fronts.AddLoop(v);
+  fronts.Connect(e, fronts.at(e).prev, TriangleKind::kClosing);
+  const WindowTriangleId t = LiveTriangles(fronts)[0];
+  Refinement refinement(sphere, fronts, 0.05, 0, 0, true);
+  const auto is_kept_after_walks = [&](bool walks) {
+    const int before = sphere.walks();
+    const bool is_kept = refinement.Measure(t).is_kept;
+    EXPECT_EQ(sphere.walks() > before, walks);
+    return is_kept;
+  };
+  EXPECT_TRUE(is_kept_after_walks(true));
+  EXPECT_TRUE(is_kept_after_walks(false));
+  const Vec3 place = fronts.at(v[1]).position;
+  fronts.at(v[1]).position = 1.02 * place;
+  EXPECT_TRUE(is_kept_after_walks(true));
+  EXPECT_TRUE(is_kept_after_walks(false));
+  fronts.at(v[1]).position = 1.2 * place;
+  EXPECT_FALSE(refinement.Measure(t).is_kept);  // the corner tells, without a walk
+  fronts.at(v[1]).position = place;
+  EXPECT_TRUE(is_kept_after_walks(true));
+  refinement.SetSlack(0.1);  // the middle is 0.02 below the sphere
+  EXPECT_FALSE(is_kept_after_walks(true));
+}
+
 //     f ------- e
 //    /  \    /   \         a, b and c are a rim that turns in at b, where two triangles of 120 degrees meet: no place of p makes
 //   g --- p ------ d       both round. A side turned to b does, once p has moved.
