@@ -34,7 +34,7 @@ double MaxCurvatureIn(const MlsValue<2>& value) {
 template <int kOrder, bool kWide>
 MlsValue<kOrder> ImplicitMlsSurface::Evaluate(const Vec3& x, uint32_t patch) const {
   using J = Jet<kOrder>;
-  J weights, heights, supports;
+  J weights, heights, supports, sharpness;
   std::array<J, 3> places, normals;
   const MlsSample* const all = samples_->samples().data();
   for (const uint32_t i : samples_->ListOf(patch)) {
@@ -48,6 +48,8 @@ MlsValue<kOrder> ImplicitMlsSurface::Evaluate(const Vec3& x, uint32_t patch) con
     for (int axis = 0; axis < 3; ++axis)
       AddScaled(places[axis], p[axis], w), AddScaled(normals[axis], s.normal[axis], w);
     AddScaled(supports, s.support, w);
+    if (kWide) continue;
+    if (const double sharp = s.Sharpness(); sharp > 0) AddScaled(sharpness, sharp, w);
   }
   MlsValue<kOrder> result;
   const J square = Dot(normals, normals);
@@ -62,7 +64,10 @@ MlsValue<kOrder> ImplicitMlsSurface::Evaluate(const Vec3& x, uint32_t patch) con
   const J mean = Reciprocal(weights);
   std::array<J, 3> from_centroid;
   for (int axis = 0; axis < 3; ++axis) from_centroid[axis] = variables[axis] - places[axis] * mean;
-  result.f = 0.5 * (Dot(normals, from_centroid) / Sqrt(square) + (Dot(normals, variables) - heights) * mean);
+  const J from_centre = Dot(normals, from_centroid) / Sqrt(square),
+          from_planes = (Dot(normals, variables) - heights) * mean;
+  result.f = 0.5 * (from_centre + from_planes);
+  if (sharpness.value() > 0) result.f += (0.5 - kCentreShareAtEdges) * (sharpness * mean) * (from_planes - from_centre);
   const J support = supports * mean;
   result.asymmetry2 = Dot(from_centroid, from_centroid) / (support * support);
   result.support = support.value();
