@@ -315,8 +315,10 @@ class Remedy {
       return IsPrepared({}, count, p, context);
     }
     const bool is_at_places = !last.front.ran_away && last.fault_count() <= kMostFaultsAtPlaces;
-    if (is_at_places && rounded_++ < kRoundedForPoints) {
-      MESHFRONT_ASSIGN_OR_RETURN(const bool is_rounder, RoundEdges(places, count, p, context));
+    if (rounded_++ < kRoundedForPoints) {
+      const absl::Span<const Vec3> rounded_at =
+          is_at_places ? absl::Span<const Vec3>(places) : absl::Span<const Vec3>();
+      MESHFRONT_ASSIGN_OR_RETURN(const bool is_rounder, RoundEdges(rounded_at, count, p, context));
       if (is_rounder) return true;
     }
     if (is_at_places && last.lost_rims == 0 && finer_++ < kFinerForPoints) return IsPrepared(places, count, p, context);

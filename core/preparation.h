@@ -79,7 +79,7 @@ absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context, con
 absl::StatusOr<bool> WidenSupports(absl::Span<const Vec3> places, double factor, std::optional<uint64_t> count,
                                    Preparation& preparation, const Context& context);
 
-// The same with weights as wide as the supports around the places. False: no weight is narrower there.
+// The same with weights as wide as the supports around the places, or everywhere where there are none. False: no weight is narrower there.
 absl::StatusOr<bool> RoundEdges(absl::Span<const Vec3> places, std::optional<uint64_t> count, Preparation& preparation,
                                 const Context& context);
 

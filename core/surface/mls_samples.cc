@@ -78,7 +78,7 @@ absl::StatusOr<std::unique_ptr<MlsSamples>> MlsSamples::Widened(absl::Span<const
 absl::StatusOr<std::unique_ptr<MlsSamples>> MlsSamples::Rounded(absl::Span<const Vec3> places,
                                                                 const Context& context) const {
   Widths widths = widths_;
-  const std::vector<double> shares = SharesAround(places);
+  const std::vector<double> shares = places.empty() ? std::vector<double>(samples_.size(), 1.0) : SharesAround(places);
   bool is_any_narrow = false;
   for (size_t i = 0; i < shares.size(); ++i) {
     is_any_narrow |= shares[i] > 0 && samples_[i].Sharpness() > 0;

@@ -57,8 +57,8 @@ class MlsSamples {
   absl::StatusOr<std::unique_ptr<MlsSamples>> Widened(absl::Span<const Vec3> places, double factor, double most,
                                                       const Context& context) const;
 
-  // The same samples with weights as wide as the supports around the places, within as far as Widened: the surface rounds
-  // sharp edges there as weights kWide do. Null where no weight is narrower.
+  // The same samples with weights as wide as the supports around the places, within as far as Widened, or everywhere where there are
+  // no places: the surface rounds sharp edges there as weights kWide do. Null where no weight is narrower.
   absl::StatusOr<std::unique_ptr<MlsSamples>> Rounded(absl::Span<const Vec3> places, const Context& context) const;
 
   // The same samples and more of them, whose supports are as wide as those of the nearest one.

@@ -98,6 +98,10 @@ TEST(MlsSamples, AreRoundedAroundPlaces) {
   EXPECT_GT(sharpest_near(*samples, place), 0.9);
   EXPECT_LT(sharpest_near(**rounded, place), 0.1);
   EXPECT_GT(sharpest_near(**rounded, {0, 0.8, 0}), 0.9);
+  const auto all = samples->Rounded({}, {});
+  ASSERT_THAT(all, IsOk());
+  ASSERT_NE(*all, nullptr);
+  EXPECT_EQ(sharpest_near(**all, {0, 0.8, 0}), 0);
   EXPECT_EQ((*rounded)->samples().size(), samples->samples().size());
   for (const MlsSample& s : (*rounded)->samples())
     EXPECT_NEAR(s.support, 4 * (*rounded)->SpacingAt((*rounded)->NearestLike(s.position, s.normal)), 1e-9);
