@@ -47,7 +47,7 @@ constexpr double kManyTooClose = 0.02;
 constexpr int kMaxAttempts = 7, kMaxForCount = 4;
 // Of a point set, no faces can be cut loose. What helps where shorter edges don't are wider supports: where samples lie unevenly or in a
 // cloud, those of four spacings see too few, and the surface has bumps or ends where there is none.
-constexpr int kMaxForPoints = 6, kFinerForPoints = 1, kWiderAtPlaces = 2;
+constexpr int kMaxForPoints = 6, kFinerForPoints = 1, kRoundedForPoints = 1, kWiderAtPlaces = 2;
 constexpr double kWiderAtPlace = 1.6, kWiderEverywhere = 1.5;
 constexpr size_t kMostFaultsAtPlaces = 50;
 // The attempts end where so many in a row have more than this part of the fewest faults so far.
@@ -315,6 +315,12 @@ class Remedy {
       return IsPrepared({}, count, p, context);
     }
     const bool is_at_places = !last.front.ran_away && last.fault_count() <= kMostFaultsAtPlaces;
+    if (rounded_++ < kRoundedForPoints) {
+      const absl::Span<const Vec3> rounded_at =
+          is_at_places ? absl::Span<const Vec3>(places) : absl::Span<const Vec3>();
+      MESHFRONT_ASSIGN_OR_RETURN(const bool is_rounder, RoundEdges(rounded_at, count, p, context));
+      if (is_rounder) return true;
+    }
     if (is_at_places && last.lost_rims == 0 && finer_++ < kFinerForPoints) return IsPrepared(places, count, p, context);
     in_vain_ = static_cast<double>(last.fault_count()) > kWorthGoingOn * fewest_faults_ ? in_vain_ + 1 : 0;
     fewest_faults_ = std::min(fewest_faults_, static_cast<double>(last.fault_count()));
@@ -346,7 +352,8 @@ class Remedy {
   }
 
   bool is_small_, may_keep_creases_, keeps_creases_ = false;
-  int finer_ = 0, wider_ = 0;  // attempts with shorter edges, and with wider supports around faults
+  int finer_ = 0, wider_ = 0,
+      rounded_ = 0;  // attempts with shorter edges, wider supports, and rounder edges around faults
   double reach_ = kLooseReach;
   double fewest_faults_ = std::numeric_limits<double>::infinity();
   uint64_t tried_ = 0;  // triangles of all attempts

@@ -271,6 +271,22 @@ void SetPointFronts(Preparation& p) {
   p.seeds.insert(p.seeds.end(), p.more_seeds.begin(), p.more_seeds.end());
 }
 
+namespace {
+
+// Another surface, with its field and initial fronts.
+absl::StatusOr<bool> ReplaceSamples(std::unique_ptr<MlsSamples> samples, std::optional<uint64_t> count, Preparation& p,
+                                    const Context& context) {
+  p.more_seeds.clear();
+  const SizingLimits limits = p.point_builder->limits();
+  p.point_builder.reset();
+  MESHFRONT_RETURN_IF_ERROR(SetPointSurface(std::move(samples), p, context));
+  p.point_builder = std::make_unique<PointFieldBuilder>(*p.points, p.rims, limits);
+  MESHFRONT_RETURN_IF_ERROR(PrepareAgain({}, count, p, context));
+  return true;
+}
+
+}  // namespace
+
 absl::StatusOr<bool> WidenSupports(absl::Span<const Vec3> places, double factor, std::optional<uint64_t> count,
                                    Preparation& p, const Context& context) {
   const MlsSamples& before = p.points->samples();
@@ -280,13 +296,14 @@ absl::StatusOr<bool> WidenSupports(absl::Span<const Vec3> places, double factor,
                              before.Widened(places, factor, kMostWidened, context));
   if (samples->component_count() == 0) return false;
   p.widened *= factor;
-  p.more_seeds.clear();
-  const SizingLimits limits = p.point_builder->limits();
-  p.point_builder.reset();
-  MESHFRONT_RETURN_IF_ERROR(SetPointSurface(std::move(samples), p, context));
-  p.point_builder = std::make_unique<PointFieldBuilder>(*p.points, p.rims, limits);
-  MESHFRONT_RETURN_IF_ERROR(PrepareAgain({}, count, p, context));
-  return true;
+  return ReplaceSamples(std::move(samples), count, p, context);
+}
+
+absl::StatusOr<bool> RoundEdges(absl::Span<const Vec3> places, std::optional<uint64_t> count, Preparation& p,
+                                const Context& context) {
+  MESHFRONT_ASSIGN_OR_RETURN(std::unique_ptr<MlsSamples> samples, p.points->samples().Rounded(places, context));
+  if (!samples || samples->component_count() == 0) return false;
+  return ReplaceSamples(std::move(samples), count, p, context);
 }
 
 }  // namespace meshfront

@@ -79,6 +79,10 @@ absl::StatusOr<Preparation> Prepare(Problem problem, const Context& context, con
 absl::StatusOr<bool> WidenSupports(absl::Span<const Vec3> places, double factor, std::optional<uint64_t> count,
                                    Preparation& preparation, const Context& context);
 
+// The same with weights as wide as the supports around the places, or everywhere where there are none. False: no weight is narrower there.
+absl::StatusOr<bool> RoundEdges(absl::Span<const Vec3> places, std::optional<uint64_t> count, Preparation& preparation,
+                                const Context& context);
+
 // Field and initial fronts again: with edges half as long at some places and, as eta has it, around them; and for a predicted number
 // of triangles, where one is given. The errors of Remesh.
 absl::Status PrepareAgain(absl::Span<const Vec3> finer_at, std::optional<uint64_t> count, Preparation& preparation,

@@ -71,6 +71,29 @@ constexpr void AddScaled(Jet<kOrder>& a, double s, const Jet<kOrder>& b) {
   for (int i = 0; i < Jet<kOrder>::kSize; ++i) a.v[i] += s * b.v[i];
 }
 
+// A sum of scaled jets that stays in registers, four numbers to a lane, the last ones unused; the same bits as AddScaled on jets. Inlined
+// wherever it is used, so that the width is that of the caller's processor (core/base/processor.h).
+template <int kOrder>
+struct JetLanes {
+  using Lane = double __attribute__((vector_size(32)));
+  static constexpr int kLanes = (Jet<kOrder>::kSize + 3) / 4;
+  Lane lanes[kLanes] = {};
+
+  [[gnu::always_inline]] static inline JetLanes Of(const Jet<kOrder>& a) {
+    JetLanes r;
+    for (int i = 0; i < Jet<kOrder>::kSize; ++i) r.lanes[i / 4][i % 4] = a.v[i];
+    return r;
+  }
+  [[gnu::always_inline]] inline Jet<kOrder> Get() const {
+    Jet<kOrder> r;
+    for (int i = 0; i < Jet<kOrder>::kSize; ++i) r.v[i] = lanes[i / 4][i % 4];
+    return r;
+  }
+  [[gnu::always_inline]] inline void AddScaled(double s, const JetLanes& b) {
+    for (int i = 0; i < kLanes; ++i) lanes[i] += s * b.lanes[i];
+  }
+};
+
 template <int kOrder>
 constexpr Jet<kOrder> operator*(const Jet<kOrder>& a, const Jet<kOrder>& b) {
   Jet<kOrder> r;

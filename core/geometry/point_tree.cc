@@ -43,7 +43,7 @@ void PointTree::FindNearest(const Vec3& x, size_t count, std::vector<std::pair<d
   stack[size++] = {nodes_[0].box.SquaredDistanceTo(x), 0};
   while (size > 0) {
     const auto [distance, at] = stack[--size];
-    if (found.size() == count && distance > found.front().first) continue;
+    if (found.size() == count && distance > found.back().first) continue;
     const Node& node = nodes_[at];
     if (!node.is_leaf()) {
       std::pair<double, uint32_t> near{nodes_[at + 1].box.SquaredDistanceTo(x), at + 1};
@@ -55,16 +55,15 @@ void PointTree::FindNearest(const Vec3& x, size_t count, std::vector<std::pair<d
     for (uint32_t i = node.begin; i < node.end; ++i) {
       const std::pair<double, uint32_t> entry{SquaredDistance(points_[order_[i]], x), order_[i]};
       if (found.size() == count) {
-        if (!(entry < found.front())) continue;
-        std::pop_heap(found.begin(), found.end());
-        found.back() = entry;
-      } else {
-        found.push_back(entry);
+        if (entry.first > found.back().first || !(entry < found.back())) continue;
+        found.pop_back();
       }
-      std::push_heap(found.begin(), found.end());
+      size_t place = found.size();
+      found.push_back(entry);
+      for (; place > 0 && entry < found[place - 1]; --place) found[place] = found[place - 1];
+      found[place] = entry;
     }
   }
-  std::sort_heap(found.begin(), found.end());
 }
 
 }  // namespace meshfront

@@ -1,4 +1,4 @@
-// Evaluate is the one formula; everything else asks it. FindApex: the circle on which both distances are as wanted,
+// EvaluateIn is the one formula; everything else asks it. FindApex: the circle on which both distances are as wanted,
 // then Newton's method on its angle from the direction in which the surface goes on (FindAngle). Snap: Newton's method
 // along the gradient (Descend), then along the surface until what is left is normal to it. Rejected: Newton's method
 // for the three equations at once; it leaves the circle, and finds no more.
@@ -9,6 +9,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/processor.h"
 #include "core/base/status_macros.h"
 #include "core/surface/tolerances.h"
 
@@ -27,32 +28,36 @@ double MaxCurvatureIn(const MlsValue<2>& value) {
   return value.support > 0 ? std::min(most, kMostCurvaturePerSupport / value.support) : most;
 }
 
-}  // namespace
-
 // Around x as the origin, so that nothing cancels far from it. The centre n(x)·(x − a(x)) and the mean of n_i·(x − p_i)
 // share their sums.
 template <int kOrder, bool kWide>
-MlsValue<kOrder> ImplicitMlsSurface::Evaluate(const Vec3& x, uint32_t patch) const {
+[[gnu::always_inline]] inline MlsValue<kOrder> EvaluateIn(const MlsSamples& samples, const Vec3& x, uint32_t patch) {
   using J = Jet<kOrder>;
-  J weights, heights, supports;
-  std::array<J, 3> places, normals;
-  const MlsSample* const all = samples_->samples().data();
-  for (const uint32_t i : samples_->ListOf(patch)) {
+  using Sum = JetLanes<kOrder>;
+  Sum weight_sum, height_sum, support_sum, sharpness_sum, place_sums[3], normal_sums[3];
+  const MlsSample* const all = samples.samples().data();
+  for (const uint32_t i : samples.ListOf(patch)) {
     const MlsSample& s = all[i];
     const Vec3 p = s.position - x;
     const double inverse_squared = kWide ? 1 / (s.support * s.support) : s.inverse_squared_radius;
     if (SquaredNorm(p) * inverse_squared >= 1) continue;
-    const J w = FourthPower(1.0 - inverse_squared * SquaredDistanceToPlace<kOrder>(Vec3{}, p));
-    weights += w;
-    AddScaled(heights, Dot(s.normal, p), w);
+    const Sum w = Sum::Of(FourthPower(1.0 - inverse_squared * SquaredDistanceToPlace<kOrder>(Vec3{}, p)));
+    weight_sum.AddScaled(1, w);
+    height_sum.AddScaled(Dot(s.normal, p), w);
     for (int axis = 0; axis < 3; ++axis)
-      AddScaled(places[axis], p[axis], w), AddScaled(normals[axis], s.normal[axis], w);
-    AddScaled(supports, s.support, w);
+      place_sums[axis].AddScaled(p[axis], w), normal_sums[axis].AddScaled(s.normal[axis], w);
+    support_sum.AddScaled(s.support, w);
+    if (kWide) continue;
+    if (const double sharp = s.Sharpness(); sharp > 0) sharpness_sum.AddScaled(sharp, w);
   }
+  const J weights = weight_sum.Get(), heights = height_sum.Get(), supports = support_sum.Get(),
+          sharpness = sharpness_sum.Get();
+  const std::array<J, 3> places = {place_sums[0].Get(), place_sums[1].Get(), place_sums[2].Get()};
+  const std::array<J, 3> normals = {normal_sums[0].Get(), normal_sums[1].Get(), normal_sums[2].Get()};
   MlsValue<kOrder> result;
   const J square = Dot(normals, normals);
   if (!(weights.value() > 0) || !(square.value() > 0)) {
-    const MlsSample& s = samples_->samples()[samples_->MembersOf(patch)[0]];
+    const MlsSample& s = samples.samples()[samples.MembersOf(patch)[0]];
     const auto variables = JetVariables<kOrder>(x - s.position);
     for (int axis = 0; axis < 3; ++axis) AddScaled(result.f, s.normal[axis], variables[axis]);
     result.asymmetry2.v[0] = 1;
@@ -62,11 +67,38 @@ MlsValue<kOrder> ImplicitMlsSurface::Evaluate(const Vec3& x, uint32_t patch) con
   const J mean = Reciprocal(weights);
   std::array<J, 3> from_centroid;
   for (int axis = 0; axis < 3; ++axis) from_centroid[axis] = variables[axis] - places[axis] * mean;
-  result.f = 0.5 * (Dot(normals, from_centroid) / Sqrt(square) + (Dot(normals, variables) - heights) * mean);
+  const J from_centre = Dot(normals, from_centroid) / Sqrt(square),
+          from_planes = (Dot(normals, variables) - heights) * mean;
+  result.f = 0.5 * (from_centre + from_planes);
+  if (sharpness.value() > 0) result.f += (0.5 - kCentreShareAtEdges) * (sharpness * mean) * (from_planes - from_centre);
   const J support = supports * mean;
   result.asymmetry2 = Dot(from_centroid, from_centroid) / (support * support);
   result.support = support.value();
   return result;
+}
+
+// Sums of four numbers at once where the processor can; elementwise, so that the bits are the same.
+MESHFRONT_WIDE MlsValue<1> FirstOrder(const MlsSamples& samples, const Vec3& x, uint32_t patch) {
+  return EvaluateIn<1, false>(samples, x, patch);
+}
+MESHFRONT_WIDE MlsValue<1> FirstOrderWide(const MlsSamples& samples, const Vec3& x, uint32_t patch) {
+  return EvaluateIn<1, true>(samples, x, patch);
+}
+MESHFRONT_WIDE MlsValue<2> SecondOrder(const MlsSamples& samples, const Vec3& x, uint32_t patch) {
+  return EvaluateIn<2, false>(samples, x, patch);
+}
+MESHFRONT_WIDE MlsValue<2> SecondOrderWide(const MlsSamples& samples, const Vec3& x, uint32_t patch) {
+  return EvaluateIn<2, true>(samples, x, patch);
+}
+
+}  // namespace
+
+template <int kOrder, bool kWide>
+MlsValue<kOrder> ImplicitMlsSurface::Evaluate(const Vec3& x, uint32_t patch) const {
+  if constexpr (kOrder == 1)
+    return kWide ? FirstOrderWide(*samples_, x, patch) : FirstOrder(*samples_, x, patch);
+  else
+    return kWide ? SecondOrderWide(*samples_, x, patch) : SecondOrder(*samples_, x, patch);
 }
 template MlsValue<1> ImplicitMlsSurface::Evaluate<1>(const Vec3&, uint32_t) const;
 template MlsValue<1> ImplicitMlsSurface::Evaluate<1, true>(const Vec3&, uint32_t) const;

@@ -16,7 +16,7 @@ namespace meshfront {
 
 // f(x) = Σ w_i ½ (n(x) + n_i)·(x − p_i) / Σ w_i, w_i = (1 − |x − p_i|²/r_i²)⁴ with r_i the radius of a sample's weight and n(x) the direction of Σ w_i n_i: the
 // half with n(x) is the paper's n(x)·(x − a(x)), which lies inside of a sphere by about h²/12r, the other lies outside
-// by as much.
+// by as much. Where weights are narrow, at sharp dents, which the first half fills and the other does not, it has less than half of the say.
 class ImplicitMlsSurface final : public PointSurface {
  public:
   explicit ImplicitMlsSurface(std::unique_ptr<MlsSamples> samples);

@@ -33,16 +33,20 @@ absl::StatusOr<std::unique_ptr<MlsSamples>> MlsSamples::Create(absl::Span<const 
                                                                absl::Span<const Vec3> normals, double radius,
                                                                const Context& context, size_t neighbours,
                                                                MlsWeights weights) {
-  return Make(positions, normals, std::vector<double>(positions.size(), 1.0), radius, neighbours, weights, context);
+  const size_t n = positions.size();
+  const Widths widths{std::vector<double>(n, 1.0), std::vector<double>(n, 0.0)};
+  return Make(positions, normals, widths, {radius, neighbours, weights}, context);
 }
 
-// Smooth in between, so that the surface stays so.
-absl::StatusOr<std::unique_ptr<MlsSamples>> MlsSamples::Widened(absl::Span<const Vec3> places, double factor,
-                                                                double most, const Context& context) const {
+std::vector<Vec3> MlsSamples::Normals() const {
   std::vector<Vec3> normals;
   for (const MlsSample& s : samples_) normals.push_back(s.normal);
-  std::vector<double> widths = widths_;
-  std::vector<double> shares(widths.size(), places.empty() ? 1 : 0);
+  return normals;
+}
+
+// Of each sample: 1 at a place, and less until some supports away from it. Smooth in between, so that the surface stays so.
+std::vector<double> MlsSamples::SharesAround(absl::Span<const Vec3> places) const {
+  std::vector<double> shares(samples_.size(), 0);
   for (const Vec3& place : places) {
     const uint32_t nearest = tree_->FindNearest(place, std::numeric_limits<double>::infinity(),
                                                 [&](uint32_t i) { return components_[i] != kStray; });
@@ -57,32 +61,52 @@ absl::StatusOr<std::unique_ptr<MlsSamples>> MlsSamples::Widened(absl::Span<const
           if (t2 < 1) shares[i] = std::max(shares[i], (1 - t2) * (1 - t2));
         });
   }
-  for (size_t i = 0; i < widths.size(); ++i)
-    widths[i] = std::min(widths[i] * (1 + (factor - 1) * shares[i]), std::max(widths[i], most / radius_));
-  return Make(positions_, normals, widths, radius_, spacing_neighbours_, weights_, context);
+  return shares;
+}
+
+absl::StatusOr<std::unique_ptr<MlsSamples>> MlsSamples::Widened(absl::Span<const Vec3> places, double factor,
+                                                                double most, const Context& context) const {
+  Widths widths = widths_;
+  const std::vector<double> shares = places.empty() ? std::vector<double>(samples_.size(), 1.0) : SharesAround(places);
+  for (size_t i = 0; i < shares.size(); ++i) {
+    double& width = widths.supports[i];
+    width = std::min(width * (1 + (factor - 1) * shares[i]), std::max(width, most / measures_.radius));
+  }
+  return Make(positions_, Normals(), widths, measures_, context);
+}
+
+absl::StatusOr<std::unique_ptr<MlsSamples>> MlsSamples::Rounded(absl::Span<const Vec3> places,
+                                                                const Context& context) const {
+  Widths widths = widths_;
+  const std::vector<double> shares = places.empty() ? std::vector<double>(samples_.size(), 1.0) : SharesAround(places);
+  bool is_any_narrow = false;
+  for (size_t i = 0; i < shares.size(); ++i) {
+    is_any_narrow |= shares[i] > 0 && samples_[i].Sharpness() > 0;
+    widths.roundness[i] = std::max(widths.roundness[i], shares[i]);
+  }
+  if (!is_any_narrow) return nullptr;
+  return Make(positions_, Normals(), widths, measures_, context);
 }
 
 absl::StatusOr<std::unique_ptr<MlsSamples>> MlsSamples::With(absl::Span<const Vec3> positions,
                                                              absl::Span<const Vec3> normals,
                                                              const Context& context) const {
-  std::vector<Vec3> all = positions_, all_normals;
-  for (const MlsSample& s : samples_) all_normals.push_back(s.normal);
-  std::vector<double> widths = widths_;
+  std::vector<Vec3> all = positions_, all_normals = Normals();
+  Widths widths = widths_;
   for (const Vec3& x : positions) {
     const uint32_t nearest =
         tree_->FindNearest(x, std::numeric_limits<double>::infinity(), [](uint32_t) { return true; });
-    widths.push_back(widths_[nearest]);
+    widths.supports.push_back(widths_.supports[nearest]);
+    widths.roundness.push_back(widths_.roundness[nearest]);
   }
   all.insert(all.end(), positions.begin(), positions.end());
   all_normals.insert(all_normals.end(), normals.begin(), normals.end());
-  return Make(all, all_normals, widths, radius_, spacing_neighbours_, weights_, context);
+  return Make(all, all_normals, widths, measures_, context);
 }
 
 absl::StatusOr<std::unique_ptr<MlsSamples>> MlsSamples::Make(absl::Span<const Vec3> positions,
-                                                             absl::Span<const Vec3> normals,
-                                                             absl::Span<const double> widths, double radius,
-                                                             size_t neighbours, MlsWeights weights,
-                                                             const Context& context) {
+                                                             absl::Span<const Vec3> normals, const Widths& widths,
+                                                             const Measures& measures, const Context& context) {
   if (positions.size() < kLeastMlsSamples || positions.size() != normals.size()) {
     return absl::InvalidArgumentError(absl::StrCat("the point set has ", positions.size(), " points and ",
                                                    normals.size(), " normals; it must have at least ", kLeastMlsSamples,
@@ -93,16 +117,15 @@ absl::StatusOr<std::unique_ptr<MlsSamples>> MlsSamples::Make(absl::Span<const Ve
       return absl::InvalidArgumentError(absl::StrCat("point ", i, " has a place or a normal that is not finite"));
   }
   std::unique_ptr<MlsSamples> made(new MlsSamples);
-  made->radius_ = radius;
-  made->spacing_neighbours_ = neighbours;
-  made->weights_ = weights;
+  made->measures_ = measures;
   made->samples_.reserve(positions.size());
   made->positions_.reserve(positions.size());
   const PointTree tree(positions);
   for (const uint32_t i : tree.order()) {
     made->samples_.push_back({positions[i], normals[i], 0, 0});
     made->positions_.push_back(positions[i]);
-    made->widths_.push_back(widths[i]);
+    made->widths_.supports.push_back(widths.supports[i]);
+    made->widths_.roundness.push_back(widths.roundness[i]);
   }
   made->tree_ = std::make_unique<PointTree>(made->positions_);
   MESHFRONT_RETURN_IF_ERROR(made->MeasureSpacing(context));
@@ -115,7 +138,7 @@ absl::StatusOr<std::unique_ptr<MlsSamples>> MlsSamples::Make(absl::Span<const Ve
 // side of a thin sheet only the others count.
 absl::Status MlsSamples::MeasureSpacing(const Context& context) {
   const size_t n = samples_.size(), k = std::min<size_t>(kSpacingNeighbours, n - 1);
-  const size_t counted = std::clamp<size_t>(spacing_neighbours_, k, n - 1);
+  const size_t counted = std::clamp<size_t>(measures_.neighbours, k, n - 1);
   std::vector<uint32_t>& neighbours = neighbours_;
   neighbours.resize(n * k);
   neighbours_each_ = k;
@@ -137,7 +160,7 @@ absl::Status MlsSamples::MeasureSpacing(const Context& context) {
   for (size_t i = 0; i < n; ++i) {
     double sum = std::sqrt(areas_[i]);
     for (size_t at = 0; at < k; ++at) sum += std::sqrt(areas_[neighbours[i * k + at]]);
-    samples_[i].support = widths_[i] * radius_ * sum / static_cast<double>(k + 1);
+    samples_[i].support = widths_.supports[i] * measures_.radius * sum / static_cast<double>(k + 1);
   }
   for (uint32_t i = 0; i < n; ++i) {
     for (size_t at = 0; at < k; ++at) {
@@ -157,7 +180,7 @@ absl::Status MlsSamples::MeasureSpacing(const Context& context) {
 // were widened, which somebody had a reason for.
 void MlsSamples::SetRadii() {
   for (MlsSample& s : samples_) s.inverse_squared_radius = s.support > 0 ? 1 / (s.support * s.support) : 0;
-  if (weights_ == MlsWeights::kWide) return;
+  if (measures_.weights == MlsWeights::kWide) return;
   const size_t n = samples_.size(), k = neighbours_each_;
   std::vector<double> bends(n, 0), around(n, 0);
   for (uint32_t i = 0; i < n; ++i) {
@@ -180,7 +203,8 @@ void MlsSamples::SetRadii() {
   for (size_t i = 0; i < n; ++i) {
     MlsSample& s = samples_[i];
     if (!(s.support > 0)) continue;
-    const double share = widths_[i] > 1 ? 0 : std::clamp((around[i] / flat - 1) / kSharpBendRange, 0.0, 1.0);
+    const double most = widths_.supports[i] > 1 ? 0 : 1 - widths_.roundness[i];
+    const double share = std::min(most, std::clamp((around[i] / flat - 1) / kSharpBendRange, 0.0, 1.0));
     const double radius = (1 - (1 - kNarrowestRadius) * share) * s.support;
     s.inverse_squared_radius = 1 / (radius * radius);
   }
@@ -193,7 +217,7 @@ void MlsSamples::NumberComponents(UnionFind& sets) {
   components_.resize(n);
   for (uint32_t i = 0; i < n; ++i) {
     const uint32_t root = sets.Find(i);  // the smallest
-    if (sizes[root] < std::max(kLeastComponent, spacing_neighbours_ / kNeighboursPerLeast)) {
+    if (sizes[root] < std::max(kLeastComponent, measures_.neighbours / kNeighboursPerLeast)) {
       components_[i] = kStray, samples_[i].support = 0, areas_[i] = 0;
       ++stray_count_;
     } else {

@@ -14,6 +14,7 @@
 #include "core/geometry/point_tree.h"
 #include "core/geometry/vec3.h"
 #include "core/mesh/union_find.h"
+#include "core/surface/tolerances.h"
 
 namespace meshfront {
 
@@ -22,10 +23,19 @@ struct MlsSample {
   double support = 0;     // so far it matters, and the radius of its weight where the surface is flat; 0: it has none
   // 1 / square of the radius of its weight, which is less than the support where the surface bends sharply between samples.
   double inverse_squared_radius = 0;
+
+  // 0 where its weight is as wide as its support, 1 where it is as narrow as any.
+  double Sharpness() const;
 };
 static_assert(sizeof(MlsSample) == 64);  // one cache line
 
 // How wide the weights are: as the supports everywhere, or narrower where the surface bends sharply between samples, which rounds it less.
+inline double MlsSample::Sharpness() const {
+  constexpr double kNarrowest = 1 / (surface_tolerances::kNarrowestRadius * surface_tolerances::kNarrowestRadius);
+  const double sharpness = (support * support * inverse_squared_radius - 1) / (kNarrowest - 1);
+  return sharpness > surface_tolerances::kLeastSharpness ? sharpness : 0;
+}
+
 enum class MlsWeights { kWide, kNarrowAtEdges };
 
 // Immutable; safe to read from many threads; deterministic at any thread count. Samples are in an order of their own,
@@ -47,6 +57,10 @@ class MlsSamples {
   absl::StatusOr<std::unique_ptr<MlsSamples>> Widened(absl::Span<const Vec3> places, double factor, double most,
                                                       const Context& context) const;
 
+  // The same samples with weights as wide as the supports around the places, within as far as Widened, or everywhere where there are
+  // no places: the surface rounds sharp edges there as weights kWide do. Null where no weight is narrower.
+  absl::StatusOr<std::unique_ptr<MlsSamples>> Rounded(absl::Span<const Vec3> places, const Context& context) const;
+
   // The same samples and more of them, whose supports are as wide as those of the nearest one.
   absl::StatusOr<std::unique_ptr<MlsSamples>> With(absl::Span<const Vec3> positions, absl::Span<const Vec3> normals,
                                                    const Context& context) const;
@@ -55,8 +69,10 @@ class MlsSamples {
   // The part of the surface's area that each stands for, and the distance between samples where they are as dense as
   // there.
   absl::Span<const double> areas() const { return areas_; }
-  double SpacingAt(uint32_t sample) const { return samples_[sample].support / (radius_ * widths_[sample]); }
-  double radius() const { return radius_; }
+  double SpacingAt(uint32_t sample) const {
+    return samples_[sample].support / (measures_.radius * widths_.supports[sample]);
+  }
+  double radius() const { return measures_.radius; }
   const Box3& box() const { return tree_->nodes()[0].box; }
   const PointTree& tree() const { return *tree_; }
 
@@ -90,12 +106,22 @@ class MlsSamples {
     uint64_t first_listed = 0;
     uint32_t listed_count = 0;
   };
+  // Of each sample: the width of its support in parts of the radius, 1 where nothing was widened, and how far its weight may not be
+  // narrower, 0 to 1.
+  struct Widths {
+    std::vector<double> supports, roundness;
+  };
+  struct Measures {
+    double radius = 0;
+    size_t neighbours = 0;
+    MlsWeights weights = MlsWeights::kWide;
+  };
   MlsSamples() = default;
   static absl::StatusOr<std::unique_ptr<MlsSamples>> Make(absl::Span<const Vec3> positions,
-                                                          absl::Span<const Vec3> normals,
-                                                          absl::Span<const double> widths, double radius,
-                                                          size_t neighbours, MlsWeights weights,
-                                                          const Context& context);
+                                                          absl::Span<const Vec3> normals, const Widths& widths,
+                                                          const Measures& measures, const Context& context);
+  std::vector<Vec3> Normals() const;
+  std::vector<double> SharesAround(absl::Span<const Vec3> places) const;
   absl::Status MeasureSpacing(const Context& context);
   void SetRadii();
   void NumberComponents(UnionFind& sets);
@@ -104,11 +130,9 @@ class MlsSamples {
   void KeepOwnSide(const Patch& patch, const std::vector<uint32_t>& near, std::vector<uint32_t>& list) const;
   absl::Status ListPatches(const Context& context);
 
-  double radius_ = 0;
-  size_t spacing_neighbours_ = 0;
-  MlsWeights weights_ = MlsWeights::kWide;
+  Measures measures_;
   std::vector<MlsSample> samples_;
-  std::vector<double> widths_;   // of the supports, in parts of the radius; 1 where nothing was widened
+  Widths widths_;
   std::vector<Vec3> positions_;  // the same, as the tree wants them
   std::vector<double> areas_;
   std::unique_ptr<PointTree> tree_;

@@ -82,7 +82,9 @@ inline constexpr size_t kNeighboursPerLeast = 4;
 // A sample's weight is narrower where its neighbours lie off their planes by more than so many times the median, and than this part of
 // the spacing (noise alone has 1.6 times at most); how much more, in parts of that, narrows it to the last of these parts of the support.
 inline constexpr double kSharpBendPerMedian = 1.8, kLeastSharpBend = 0.06, kSharpBendRange = 0.4,
-                        kNarrowestRadius = 0.7;
+                        kNarrowestRadius = 0.65;
+// What is less sharp is rounding. And the part of the half n(x)·(x − a(x)), which is ½ elsewhere, where weights are narrowest.
+inline constexpr double kLeastSharpness = 1e-9, kCentreShareAtEdges = 0.2;
 // How far around a place supports are widened, in supports.
 inline constexpr double kWidenedReach = 6;
 // Of the support: a step of Newton's method below this is the last, as the next would be its square; and of the residual, how far its

@@ -72,5 +72,17 @@ TEST(PrincipalCurvatures, AreZeroWithoutAGradient) {
   EXPECT_EQ(PrincipalCurvatures(Jet<2>{}), (std::array<double, 2>{0, 0}));
 }
 
+TEST(Jet, SumsInLanesHaveTheBitsOfSums) {
+  Jet<2> sum;
+  JetLanes<2> lanes;
+  for (int i = 1; i < 40; ++i) {
+    const auto [x, y, z] = JetVariables<2>({1.0 / i, 0.3 * i, 2.0 - 0.1 * i});
+    const Jet<2> term = FourthPower(x * y - z);
+    AddScaled(sum, 1.0 / (3 * i), term);
+    lanes.AddScaled(1.0 / (3 * i), JetLanes<2>::Of(term));
+  }
+  for (int i = 0; i < Jet<2>::kSize; ++i) EXPECT_EQ(lanes.Get().v[i], sum.v[i]) << i;
+}
+
 }  // namespace
 }  // namespace meshfront

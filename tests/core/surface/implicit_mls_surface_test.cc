@@ -193,7 +193,8 @@ std::unique_ptr<MlsSamples> SamplesNarrowAtEdges(const TriangleMesh& points) {
   return *std::move(samples);
 }
 
-// The ridge of a roof: with weights as wide as the supports the surface rounds it by a fifth more.
+// The ridge of a roof: where weights are narrow, the planes of the samples have more of a say too; with weights as wide as the supports, the
+// surface rounds it more than twice as much.
 TEST(ImplicitMls, StaysNearASharpEdge) {
   const TriangleMesh points = Roof();
   auto samples = SamplesNarrowAtEdges(points);
@@ -208,7 +209,7 @@ TEST(ImplicitMls, StaysNearASharpEdge) {
     }
     return sum;
   };
-  EXPECT_LT(rounding(narrow), 0.9 * rounding(wide));
+  EXPECT_LT(rounding(narrow), 0.45 * rounding(wide));
 }
 
 // Sizes follow the bend that supports see, however narrow weights are.

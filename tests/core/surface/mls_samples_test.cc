@@ -81,5 +81,40 @@ TEST(MlsSamples, HaveWideWeightsWhereTheyWereWidened) {
   for (const MlsSample& s : (*wide)->samples()) EXPECT_NEAR(RadiusPerSupport(s), 1, 1e-9);
 }
 
+// Where the surface is to be as round as without narrow weights, they are wide again, there only.
+TEST(MlsSamples, AreRoundedAroundPlaces) {
+  const auto samples = SamplesOf(HeightField(8, [](double x, double) { return -std::abs(x); }));
+  ASSERT_NE(samples, nullptr);
+  const Vec3 place{0, -0.8, 0};
+  const auto rounded = samples->Rounded({&place, 1}, {});
+  ASSERT_THAT(rounded, IsOk());
+  ASSERT_NE(*rounded, nullptr);
+  const auto sharpest_near = [](const MlsSamples& all, const Vec3& x) {
+    double sharpest = 0;
+    for (const MlsSample& s : all.samples())
+      if (Distance(s.position, x) < 0.5 * s.support) sharpest = std::max(sharpest, s.Sharpness());
+    return sharpest;
+  };
+  EXPECT_GT(sharpest_near(*samples, place), 0.9);
+  EXPECT_LT(sharpest_near(**rounded, place), 0.1);
+  EXPECT_GT(sharpest_near(**rounded, {0, 0.8, 0}), 0.9);
+  const auto all = samples->Rounded({}, {});
+  ASSERT_THAT(all, IsOk());
+  ASSERT_NE(*all, nullptr);
+  EXPECT_EQ(sharpest_near(**all, {0, 0.8, 0}), 0);
+  EXPECT_EQ((*rounded)->samples().size(), samples->samples().size());
+  for (const MlsSample& s : (*rounded)->samples())
+    EXPECT_NEAR(s.support, 4 * (*rounded)->SpacingAt((*rounded)->NearestLike(s.position, s.normal)), 1e-9);
+}
+
+TEST(MlsSamples, HaveNothingToRoundWhereNoWeightIsNarrow) {
+  const auto samples = SamplesOf(Sheet(4));
+  ASSERT_NE(samples, nullptr);
+  const Vec3 place{0, 0, 0};
+  const auto rounded = samples->Rounded({&place, 1}, {});
+  ASSERT_THAT(rounded, IsOk());
+  EXPECT_EQ(*rounded, nullptr);
+}
+
 }  // namespace
 }  // namespace meshfront::testing
