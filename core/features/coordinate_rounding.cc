@@ -1,6 +1,7 @@
 // 1. of some coordinates, FewestDecimals: with how many digits behind the point (before it where there are fewer) a text gives that number;
 // 2. of nearly all of them, the most such digits and the most significant ones: a text has either so many or so many;
 // 3. whether nearly all are floats, to as many digits as the text has.
+// 4. whether the digits are so few that an edge is only a few spacings long: such numbers were meant, as on a grid.
 // Rejected: asking the reader of the file. What comes over the wire has no file, and what was read and written again has another one.
 #include "core/features/coordinate_rounding.h"
 
@@ -69,6 +70,21 @@ std::vector<double> SomeCoordinates(const TriangleMesh& mesh) {
   return some;
 }
 
+// Between the corners of some faces.
+double MiddleEdgeLength(const TriangleMesh& mesh) {
+  const size_t step = std::max<size_t>(1, mesh.triangles.size() / kVerticesForRounding);
+  std::vector<double> lengths;
+  for (size_t t = 0; t < mesh.triangles.size(); t += step) {
+    for (int i = 0; i < 3; ++i)
+      lengths.push_back(
+          Distance(mesh.PositionAt(mesh.triangles[t][i]), mesh.PositionAt(mesh.triangles[t][(i + 1) % 3])));
+  }
+  if (lengths.empty()) return std::numeric_limits<double>::infinity();
+  const auto middle = lengths.begin() + static_cast<ptrdiff_t>(lengths.size() / 2);
+  std::nth_element(lengths.begin(), middle, lengths.end());
+  return *middle;
+}
+
 // By its bits: g++ 12 takes the way to float and back for nothing where it does two of them at a time.
 double NearestFloat(double x) { return std::bit_cast<float>(std::bit_cast<uint32_t>(static_cast<float>(x))); }
 
@@ -94,6 +110,7 @@ CoordinateRounding::CoordinateRounding(const TriangleMesh& mesh) {
     return std::abs(x - NearestFloat(x)) <= 0.5 * SpacingAt(x);  // of its digits, as yet
   });
   is_float_ = static_cast<double>(floats) >= kShareAsWritten * static_cast<double>(some.size());
+  if (is_decimal_ && behind_point_ * kSpacingsOfAnEdge >= MiddleEdgeLength(mesh)) is_decimal_ = false;
 }
 
 double CoordinateRounding::SpacingAt(double x) const {

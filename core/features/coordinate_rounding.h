@@ -9,7 +9,8 @@
 namespace meshfront {
 
 // Numbers of float are told by their bits, numbers of a text by how few decimal digits they have: significant ones ("%g"), or behind the
-// point ("%f"). Where all have few digits because the shape is simple, it is taken for rounded as well. Immutable. Deterministic.
+// point ("%f"). Where all have few digits because the shape is simple, it is taken for rounded as well, unless edges are no more than a few
+// of the last digits long: whole numbers on a grid are meant. Immutable. Deterministic.
 class CoordinateRounding {
  public:
   // Looks at some hundred vertices, evenly over the mesh; a few among them may have been made later, with other digits.

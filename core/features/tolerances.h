@@ -116,6 +116,8 @@ inline constexpr double kMeantTurnSine = 0.3411744421846396;
 // is as it was written: repair may have made some.
 inline constexpr size_t kVerticesForRounding = 500;
 inline constexpr double kShareAsWritten = 0.98;
+// Edges of no more than so many of the last digits: what such digits make of a shape would be seen at once.
+inline constexpr double kSpacingsOfAnEdge = 8;
 
 // A curve passes close to what lies within this part of an edge's length around its middle; and a walk has reached a place when it ends
 // within this part of that.

@@ -47,6 +47,16 @@ TEST(CoordinateRounding, IsNoneOfNumbersThatAreNotRounded) {
   EXPECT_EQ(CoordinateRounding(TriangleMesh()).SpacingAt(1), 0);
 }
 
+// Eight spacings and less to an edge: nobody rounds a shape so, but it may have been drawn on a grid.
+TEST(CoordinateRounding, IsThatOfFloatsOnAGridOfWholeNumbers) {
+  const TriangleMesh grid = testing::Mapped(testing::Sheet(20), [](const Vec3& p) {
+    return Vec3{std::round(10 * p.x), std::round(10 * p.y), std::abs(p.x) < 0.11 ? 1.0 : 0.0};
+  });
+  EXPECT_LT(CoordinateRounding(grid).SpacingAt(7), 1e-5);
+  EXPECT_LT(CoordinateRounding(testing::Scaled(grid, 1e3)).SpacingAt(7000), 1e-2);
+  EXPECT_GT(CoordinateRounding(testing::AsWritten(testing::Icosphere(3), "%.3f")).SpacingAt(0.5), 0);
+}
+
 TEST(CoordinateRounding, PassesOverAFewNumbersThatCameLater) {
   TriangleMesh ball = BallWrittenAs("%.6g");
   for (const size_t v : {size_t{7}, size_t{70}}) ball.positions[v] = ball.positions[v] * (1 + 1e-10);
