@@ -33,8 +33,9 @@ std::string DigestOf(const std::string& id) {
 
 absl::Status CheckRevision(uint64_t wanted, uint64_t there) {
   if (wanted == there) return absl::OkStatus();
-  return WithReason(absl::AbortedError(absl::StrCat("session_revision is ", wanted,
-                                                    "; the session's mesh was replaced, and is at ", there, " now")),
+  const char* what = wanted < there ? "; the session's mesh was replaced, and is at "
+                                    : "; this session's mesh was not replaced so often, and is at ";
+  return WithReason(absl::AbortedError(absl::StrCat("session_revision is ", wanted, what, there, " now")),
                     "SESSION_CHANGED", {{"revision", absl::StrCat(there)}});
 }
 
@@ -62,7 +63,8 @@ absl::Status SessionStore::Unknown() const {
   return WithReason(
       absl::NotFoundError(absl::StrCat("session_id is not known to this server: it was not used for ",
                                        absl::FormatDuration(limits_.ttl),
-                                       ", made room for others, or is another server's; send the mesh again")),
+                                       ", made room for others, or the server was started again or is another; "
+                                       "send the mesh again")),
       "SESSION_UNKNOWN");
 }
 

@@ -372,7 +372,7 @@ class RemeshCommand {
     return written.ok() ? ExitCode::kDone : Fail(ExitCode::kOutput, written);
   }
 
-  // Where there is none, a warning has said why. Whoever can read its name may use it.
+  // Where there is none, a warning has said why (ReportSession). Whoever can read its name may use it.
   ExitCode WriteSession() {
     if (arguments_.keep_session.empty() || !summaries_.front().has_session()) return ExitCode::kDone;
     const absl::Status written = WriteWholeFile(
@@ -388,11 +388,18 @@ class RemeshCommand {
 
   // OUT is whole then, and there.
   ExitCode ReportSession() const {
+    const std::string server = absl::StrCat("server ", arguments_.call.server, ": ");
+    if (!arguments_.keep_session.empty() && !summaries_.front().has_session()) {
+      return Fail(ExitCode::kServer,
+                  absl::ResourceExhaustedError(absl::StrCat(server, "--keep-session was refused; ", arguments_.out,
+                                                            " is whole, but ", arguments_.keep_session,
+                                                            " was not written: it names no session of this mesh")));
+    }
     const std::string& refusal = summaries_.front().session().update_refusal();
     if (refusal.empty()) return ExitCode::kDone;
-    return Fail(ExitCode::kServer, absl::ResourceExhaustedError(absl::StrCat(
-                                       "server ", arguments_.call.server, ": --update-session was refused (", refusal,
-                                       "); ", arguments_.out, " is whole, but the session has not got it")));
+    return Fail(ExitCode::kServer, absl::ResourceExhaustedError(
+                                       absl::StrCat(server, "--update-session was refused (", refusal, "); ",
+                                                    arguments_.out, " is whole, but the session has not got it")));
   }
 
   absl::Status WriteAsset(ChunkSpool& spool, ByteSink& file) {

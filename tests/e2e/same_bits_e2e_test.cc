@@ -209,6 +209,12 @@ TEST(SameBitsOverSocket, InAnUpdateThatIsTooLargeForTheSession) {
   std::filesystem::remove(out);
   EXPECT_EQ(run({"-", out, "--server", server.address(), "--session", session, "--update-session"}), 5);
   EXPECT_EQ(BytesOf(out), whole);
+  // Nor is a session opened with it, and the file still names the one that there is.
+  const std::string name = BytesOf(session);
+  std::filesystem::remove(out);
+  EXPECT_EQ(run({in, out, "--server", server.address(), "--keep-session", session, "--update-session"}), 5);
+  EXPECT_EQ(BytesOf(out), whole);
+  EXPECT_EQ(BytesOf(session), name);
   std::filesystem::remove_all(folder);
 }
 

@@ -180,6 +180,10 @@ TEST(SessionStore, ReplacesTheMeshThatIsMeant) {
   const absl::Status late = store.Replace(name, 0, first).status();  // of what another call saw before
   EXPECT_EQ(late.code(), absl::StatusCode::kAborted);
   EXPECT_EQ(ReasonOf(late).reason, "SESSION_CHANGED");
+  EXPECT_THAT(late.message(), ::testing::HasSubstr("was replaced, and is at 1 now"));
+  const absl::Status early = store.Replace(name, 2, first).status();
+  EXPECT_EQ(ReasonOf(early).reason, "SESSION_CHANGED");
+  EXPECT_THAT(early.message(), ::testing::HasSubstr("was not replaced so often, and is at 1 now"));
   EXPECT_EQ(store.Find(name)->input, second);
   EXPECT_EQ(store.Replace("0123", 0, first).status().code(), absl::StatusCode::kNotFound);
 }
