@@ -157,6 +157,11 @@ void WarnOfFaults(const Attempt& attempt, double scale, Report& report) {
     report.warnings.push_back(absl::StrCat(attempt.intersections.size(), " pairs of triangles meet where the input ",
                                            "does not within the error bound"));
   }
+  if (attempt.front.own_intersection) {
+    const Vec3 first = *attempt.front.own_intersection / scale;
+    report.warnings.push_back(absl::StrCat("the input meets itself, and so may the result within the error bound of ",
+                                           "there, first near ", first.x, ", ", first.y, ", ", first.z));
+  }
   if (!attempt.missed.places.empty()) {
     const Vec3 first = attempt.missed.places.front() / scale;
     report.warnings.push_back(

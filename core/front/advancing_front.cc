@@ -198,6 +198,7 @@ class AdvancingFront {
   std::vector<uint32_t> labels_;    // union-find over the origins of the fronts: counts the components
   size_t lost_components_ = 0;
   std::vector<Vec3> spread_intersections_;
+  std::optional<Vec3> own_intersection_;
   std::vector<Vec3> open_places_;  // seeds without a triangle; the loops that stay open are found at the end
 };
 
@@ -704,6 +705,7 @@ bool AdvancingFront::Answer(const Fault& fault) {
   const double bound = ErrorBound(std::max(length, window_.counts().longest_edge));
   if (surface_.MeetsItselfNear(fault.place, bound, context_)) {
     window_.Excuse(fault.triangle);
+    if (!own_intersection_) own_intersection_ = fault.place;
     return false;
   }
   if (surface_.MeetsItselfNear(fault.place, std::max(bound, kOwnIntersectionReach * length), context_)) {
@@ -758,6 +760,7 @@ FrontReport AdvancingFront::Summarise() const {
   for (const Vec3& place : spread_intersections_) {
     if (!surface_.MeetsItselfNear(place, bound, context_)) report.spread_intersections.push_back(place);
   }
+  report.own_intersection = own_intersection_;
   report.longest_edge = counts.longest_edge;
   report.largest_deviation = counts.largest_deviation;
   report.beyond_max_error = counts.beyond_max_error;

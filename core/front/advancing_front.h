@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -62,6 +63,9 @@ struct FrontReport {
       open_places;  // where the mesh could not be closed, or not without an intersection; empty when all is well
   // Where triangles meet others though the surface meets itself only near by, not within the error bound.
   std::vector<Vec3> spread_intersections;
+  // The first place where a triangle met another one within the error bound of where the surface meets itself. It may have been taken
+  // back since for another reason.
+  std::optional<Vec3> own_intersection;
   std::vector<std::pair<std::string, uint64_t>> refusals;  // by verdict
 };
 

@@ -123,5 +123,19 @@ TEST(RemeshInput, WithAFewWildVerticesIsMendedOrRefusedButNeverCrashes) {
   }
 }
 
+TEST(RemeshInput, ThatMeetsItselfIsWarnedOf) {
+  for (const double apart : {1.5, 2.5}) {
+    CollectingSink sink;
+    const absl::StatusOr<Report> report =
+        Remesh({Joined(Icosphere(4), Moved(Icosphere(4), {apart, 0, 0})), {}}, sink, {});
+    ASSERT_THAT(report, IsOk());
+    const auto warning = ::testing::Contains(::testing::HasSubstr("the input meets itself, and so may the result"));
+    if (apart < 2)
+      EXPECT_THAT(report->warnings, warning);
+    else
+      EXPECT_THAT(report->warnings, ::testing::Not(warning));
+  }
+}
+
 }  // namespace
 }  // namespace meshfront::testing
