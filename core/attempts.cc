@@ -173,12 +173,16 @@ absl::Status FindIntersections(TriangleMesh mesh, const Preparation& p, double b
   const Surface& input = p.region ? *p.region->around : p.any_surface();
   MESHFRONT_ASSIGN_OR_RETURN(const SelfIntersections found, FindSelfIntersections(mesh, kMaxListedPairs, context));
   attempt.intersections.clear();
+  attempt.front.own_intersection.reset();
   for (const auto& [f, g] : found.first_pairs) {
     if (f.index() >= own) continue;  // the input's own
     const auto [a, b, c] = CornersOf(mesh, mesh.triangles[f.index()]);
     const auto [d, e, h] = CornersOf(mesh, mesh.triangles[g.index()]);
     const Vec3 place = PlaceOfMeeting({a, b, c}, {d, e, h});
-    if (!input.MeetsItselfNear(place, bound, context)) attempt.intersections.push_back(place);
+    if (!input.MeetsItselfNear(place, bound, context))
+      attempt.intersections.push_back(place);
+    else if (!attempt.front.own_intersection)
+      attempt.front.own_intersection = place;
   }
   return context.CheckStop();
 }

@@ -20,6 +20,8 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::Combine;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Values;
 using ::testing::ValuesIn;
@@ -156,15 +158,18 @@ TEST(MaxError, IsKeptAtBentCreasesAndWhereTheInputMeetsItself) {
   const TriangleMesh crown = Mapped(CappedCylinder(1, 1, 32, 8), [](const Vec3& p) {
     return Vec3{p.x, p.y, p.z * (1 + 0.3 * std::sin(5 * std::atan2(p.y, p.x)))};
   });
-  const TriangleMesh crossing = Joined(Icosphere(4), Moved(Icosphere(4), {0.9, 0.1, 0}));
-  for (const TriangleMesh& input : {crown, crossing}) {
+  const TriangleMesh shapes[] = {crown, Joined(Icosphere(4), Moved(Icosphere(4), {0.9, 0.1, 0}))};
+  for (const TriangleMesh& input : shapes) {
     const TriangleBvh surface(input.positions, input.triangles);
     for (const double error : {0.003, 0.008}) {
       RemeshOptions options;
       options.sizing = Sizing::kError;
       options.max_error = Length{error, false};
       const Outcome out = RemeshOrFail(input, options);
-      EXPECT_THAT(out.report.warnings, IsEmpty());
+      if (&input == &shapes[0])
+        EXPECT_THAT(out.report.warnings, IsEmpty());
+      else
+        EXPECT_THAT(out.report.warnings, ElementsAre(HasSubstr("the input meets itself")));
       double worst = 0;
       for (const Triangle& t : out.mesh.triangles) worst = std::max(worst, ForwardDistance(out.mesh, t, surface));
       EXPECT_LE(worst, 0.98 * error) << "of " << out.mesh.triangles.size() << " triangles";
