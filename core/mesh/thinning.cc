@@ -35,8 +35,8 @@ constexpr double kFeatureWeight = 4;
 constexpr size_t kStopInterval = 64;  // edits between two looks at the context
 // Of edits that make nothing but rounder triangles; how many places are tried for a vertex, and how often all is looked through.
 constexpr TriangleShape kRounder = {0.4, -0.5, 1.02};
-// What they may cost, in parts of the mean squared edge of what is left: three times as much makes three of six shapes rounder still, and
-// all but flat ones 5 % worse by the mean error.
+// What they may cost, in parts of the mean squared edge of what is left: three times as much makes p0.5 of four of six models 0.01 to 0.1
+// better still, and the mean error of four 3 to 9 % larger.
 constexpr double kCostOfRounding = 0.01;
 constexpr size_t kMostPlaces = 6;
 constexpr int kSweeps = 8;
