@@ -36,7 +36,7 @@ constexpr uint64_t kMaxPerPredicted = 2, kMaxBeyondPredicted = 20000;
 
 // Vertices for each triangle that may be added where the error is largest when a number of triangles is wanted: the maximum is made by
 // few places.
-constexpr double kInsertionsForCount = 0.0122;
+constexpr double kInsertionsForCount = 0.0155;
 
 constexpr uint64_t kHeldTriangles = 1 << 19;
 constexpr uint64_t kHeldPerFace = 8;  // of the input, where those are more: it takes more memory than they do

@@ -100,7 +100,7 @@ void DeviationMeter::NoteFar() {
   const auto height2 = [](const FarPlace& p) { return SquaredDistance(p.below, p.above.position); };
   const FarPlace* farthest = nullptr;
   for (const FarPlace& p : far_) {
-    if (p.is_detail) far_details_.push_back(p);
+    if (p.is_detail || !certain_) far_details_.push_back(p);
     if (!p.is_beside && (!farthest || height2(p) > height2(*farthest))) farthest = &p;
   }
   if (!farthest) return;

@@ -21,9 +21,10 @@ struct PlaceAndFoot {
 };
 
 struct Deviation {
-  double largest = 0;   // of the places that were looked at, where they are beyond the bound
-  PlaceAndFoot worst;   // where
-  bool is_kept = true;  // nowhere beyond the bound
+  double largest = 0;         // of the places that were looked at, where they are beyond the bound
+  PlaceAndFoot worst;         // where
+  bool is_kept = true;        // nowhere beyond the bound
+  bool is_of_detail = false;  // the worst is a place of the surface that is far from all triangles around
 };
 
 // The places of the surface closest to a triangle's centroid and to the middles of its sides, about.
@@ -53,7 +54,7 @@ class DeviationMeter {
   // it may be more by what the distance grows over a 128th of a side.
   Deviation Measure(const std::array<PlaceAndFoot, 3>& corners);
   // The surface's corners that the last Measure found farther from the triangle, along its normal, than the bound: perhaps from other
-  // triangles, too.
+  // triangles, too. Not certain: what of the surface crosses the triangle's sides there as well, a ridge between two corners is as far.
   const std::vector<FarPlace>& far_details() const { return far_details_; }
   void set_bound(double bound) { bound_ = bound; }
 

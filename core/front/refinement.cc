@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <utility>
 
 #include "core/geometry/triangle.h"
 
@@ -17,17 +19,20 @@ namespace {
 // How far the surface's corners may be from the output, in parts of the bound: where that is certain it is one of the other way.
 constexpr double kDetailPerBound = 1.0, kDetailPerCertainBound = 1.25;
 constexpr double kMaxDetail = 1.0;  // of the triangle's longest side
-constexpr double kFarBeyond = 1.5;  // of the bound: one halved side would not do
+constexpr int kMostTries = 6;       // to come nearer to one place: what is as far after that lies over other triangles
+constexpr int kMostSeenFartherOn = 64;  // corners, in search of the triangles that a place belongs to
+constexpr double kFarBeyond = 1.5;      // of the bound: one halved side would not do
 constexpr double kShortestPerGuidance =
     0.0625;  // no shorter edges than this part of what the field asks for: bounds a place
 constexpr double kMinAgreement =
     0.3;  // cosine between the normals of new triangles and of the surface at their corners
-constexpr double kLeastAgreement = 0;                    // … where those that they replace have less than that
-constexpr double kMinRadiusRatio = 0.2;                  // of new triangles
-constexpr double kMinRimRatio = 0.4;                     // … of those on a rim, which nothing turns away from it
-constexpr double kMinAnyRatio = 0.1;                     // … where any shape will do
-constexpr double kMinLastRatio = 0.03;                   // … beside what has settled, so that it can't be taken back
-constexpr double kLiftedTo = 0.97;                       // of the bound: where a worst place is moved
+constexpr double kLeastAgreement = 0;  // … where those that they replace have less than that
+constexpr double kMinRadiusRatio = 0.2,
+                 kMinRatioForCount = 0.35;  // of new triangles; where a count is wanted and the place is not far beyond
+constexpr double kMinRimRatio = 0.4;        // … of those on a rim, which nothing turns away from it
+constexpr double kMinAnyRatio = 0.1;        // … where any shape will do
+constexpr double kMinLastRatio = 0.03;      // … beside what has settled, so that it can't be taken back
+constexpr double kLiftedTo = 0.97;          // of the bound: where a worst place is moved
 constexpr double kLeastLifted = 0.9, kMostLifted = 1.4;  // … from where
 constexpr int kLiftSteps = 5;                            // there may be several such places
 constexpr double kLeastLever = 0.2;      // sum of the squared weights of what may move: it would move too far
@@ -107,8 +112,7 @@ Deviation Refinement::MeasureCorners(const Corners& corners) {
 }
 
 // The other way: the surface's corners that lie over the triangle, from the triangles around there.
-void Refinement::MeasureDetails(const Corners& corners, const std::vector<FarPlace>& details,
-                                Deviation& deviation) const {
+void Refinement::MeasureDetails(const Corners& corners, const std::vector<FarPlace>& details, Deviation& deviation) {
   if (details.empty()) return;
   const Vec3 normal = Normalized(
       AreaVector(fronts_.at(corners[0]).position, fronts_.at(corners[1]).position, fronts_.at(corners[2]).position));
@@ -119,23 +123,26 @@ void Refinement::MeasureDetails(const Corners& corners, const std::vector<FarPla
   for (const FarPlace& far : details) {
     if (Dot(far.above.normal, normal) < kMinAgreement) continue;  // of another side, reached around an edge
     const double enough = std::max(detail_bound, deviation.largest);
-    const double distance = DistanceToOutput(far.above.position, corners, enough);
+    double distance = DistanceAround(far.above.position, corners, enough);
     // Beyond the triangle's own size it belongs to another part of the output, which is not looked at here.
     if (distance <= enough || distance > kMaxDetail * longest) continue;
+    distance = DistanceFartherOn(far.above.position, corners, enough, distance);
+    if (distance <= enough || TriesAt(far.above.position) >= kMostTries) continue;
     deviation.largest = distance;
     deviation.worst = {far.below, far.above};
-    deviation.is_kept = false;
+    deviation.is_kept = false, deviation.is_of_detail = true;
   }
 }
 
+int Refinement::TriesAt(const Vec3& p) const {
+  const auto tried = tries_.find({p.x, p.y, p.z});
+  return tried == tries_.end() ? 0 : tried->second;
+}
+
 // To the triangle and those that share a corner with it, once each; of distances up to `enough` any, the first that is found.
-double Refinement::DistanceToOutput(const Vec3& place, const Corners& corners, double enough) const {
+double Refinement::DistanceAround(const Vec3& place, const Corners& corners, double enough) const {
   double least = INFINITY;
-  const auto look_at = [&](const Corners& c) {
-    const TrianglePoint at =
-        ClosestPointOnTriangle(place, fronts_.at(c[0]).position, fronts_.at(c[1]).position, fronts_.at(c[2]).position);
-    least = std::min(least, Distance(place, at.position));
-  };
+  const auto look_at = [&](const Corners& c) { least = std::min(least, DistanceTo(c, place)); };
   look_at(corners);
   for (int i = 0; i < 3; ++i) {
     fronts_.VisitFan(corners[i], [&](WindowTriangleId t, int corner) {
@@ -145,6 +152,39 @@ double Refinement::DistanceToOutput(const Vec3& place, const Corners& corners, d
       bool is_known = next == corners[(i + 1) % 3] && last == corners[(i + 2) % 3];
       for (int k = 0; k < i; ++k) is_known |= (next == corners[k]) | (last == corners[k]);
       if (!is_known) look_at(c);
+    });
+  }
+  return least;
+}
+
+double Refinement::DistanceTo(const Corners& c, const Vec3& place) const {
+  const TrianglePoint at =
+      ClosestPointOnTriangle(place, fronts_.at(c[0]).position, fronts_.at(c[1]).position, fronts_.at(c[2]).position);
+  return Distance(place, at.position);
+}
+
+// Over the triangles, from corner to corner, the nearest to the place first: where the surface has folds, what lies over a triangle
+// belongs to others some rings away. Where what has gone to the sink comes nearer than `least`, which is what is known, the
+// place was seen to when that was here.
+double Refinement::DistanceFartherOn(const Vec3& place, const Corners& corners, double enough, double least) {
+  seen_.resize(fronts_.vertex_slots(), 0);
+  if (++seen_now_ == 0) std::fill(seen_.begin(), seen_.end(), 0), seen_now_ = 1;
+  queue_.clear();
+  const auto see = [&](WindowVertexId v) {
+    if (std::exchange(seen_[v.index()], seen_now_) == seen_now_) return;
+    queue_.push_back({SquaredDistance(fronts_.at(v).position, place), v});
+    std::push_heap(queue_.begin(), queue_.end(), std::greater<>());
+  };
+  for (const WindowVertexId v : corners) see(v);
+  for (int visited = 0; visited < kMostSeenFartherOn && !queue_.empty() && least > enough; ++visited) {
+    const auto [distance2, v] = queue_.front();
+    std::pop_heap(queue_.begin(), queue_.end(), std::greater<>());
+    queue_.pop_back();
+    if (fronts_.at(v).frozen() && 2 * distance2 < least * least) return enough;
+    fronts_.VisitFan(v, [&](WindowTriangleId t, int) {
+      const Corners& c = fronts_.at(t).corners;
+      if (least > enough) least = std::min(least, DistanceTo(c, place));
+      for (const WindowVertexId corner : c) see(corner);
     });
   }
   return least;
@@ -166,8 +206,13 @@ std::vector<WindowVertexId> Refinement::Refine(const std::vector<WindowTriangleI
     const Deviation deviation = Measure(t);  // a neighbour's turn may have mended it
     least_ratio_ = kMinRadiusRatio;
     if (deviation.is_kept || TryLift(t, deviation) || TryTurn(t)) continue;
-    least_ratio_ = LeastRatioFor(t, manner);
-    if (made_.size() < limit(deviation.largest / max_error_)) RefineAt(t, deviation, manner);
+    const double excess = deviation.largest / max_error_;
+    least_ratio_ = LeastRatioFor(t, manner, excess);
+    if (made_.size() >= limit(excess)) continue;
+    const size_t before = made_.size();
+    RefineAt(t, deviation, manner);
+    const Vec3& worst = deviation.worst.foot.position;
+    if (deviation.is_of_detail && made_.size() > before) ++tries_[{worst.x, worst.y, worst.z}];
   }
   return made_;
 }
@@ -385,8 +430,8 @@ void Refinement::RoundOff(WindowVertexId id) {
   }
 }
 
-double Refinement::LeastRatioFor(WindowTriangleId id, Manner manner) const {
-  if (manner != Manner::kAnyShape) return kMinRadiusRatio;
+double Refinement::LeastRatioFor(WindowTriangleId id, Manner manner, double excess) const {
+  if (manner != Manner::kAnyShape) return certain_ || excess > kFarBeyond ? kMinRadiusRatio : kMinRatioForCount;
   const Corners& corners = fronts_.at(id).corners;
   const auto is_frozen = [&](WindowVertexId v) { return fronts_.at(v).frozen(); };
   return std::any_of(corners.begin(), corners.end(), is_frozen) ? kMinLastRatio : kMinAnyRatio;
@@ -429,7 +474,7 @@ Link Refinement::SideBetween(WindowVertexId from, WindowVertexId to) const {
 
 // The least cosine between a triangle's normal and the surface's at its corners, or kMinAgreement: what may come instead of it.
 double Refinement::LeastAgreement(const Corners& c) const {
-  if (least_ratio_ != kMinRadiusRatio) return kMinAgreement;
+  if (least_ratio_ < kMinRadiusRatio) return kMinAgreement;
   const WindowVertex *p = &fronts_.at(c[0]), *q = &fronts_.at(c[1]), *r = &fronts_.at(c[2]);
   const Vec3 normal = Normalized(AreaVector(p->position, q->position, r->position));
   const double agreement = std::min(
@@ -452,7 +497,7 @@ bool Refinement::FitsBetween(const Vec3& place, const Vec3& place_normal, double
 // Whether a new vertex there lies so close to one of these sides that is a rim that the triangle between stays flat. Not where the bound
 // is to be kept: what is refused here comes as any shape then.
 bool Refinement::CrowdsRim(const Vec3& place, absl::Span<const std::array<WindowVertexId, 2>> opposite) const {
-  if (certain_ || least_ratio_ != kMinRadiusRatio) return false;
+  if (certain_ || least_ratio_ < kMinRadiusRatio) return false;
   return std::any_of(opposite.begin(), opposite.end(), [&](const std::array<WindowVertexId, 2>& side) {
     if (RadiusRatio(place, fronts_.at(side[0]).position, fronts_.at(side[1]).position) >= kMinRimRatio) return false;
     const Link link = SideBetween(side[0], side[1]);

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <array>
+#include <tuple>
+#include <utility>
 #include <vector>
 
+#include "absl/container/flat_hash_map.h"
 #include "absl/functional/function_ref.h"
 #include "absl/types/span.h"
 #include "core/front/deviation.h"
@@ -68,8 +71,11 @@ class Refinement {
     std::vector<FarPlace> far_details;
   };
   Measurement& PlaceToRemember(const Corners& corners);
-  void MeasureDetails(const Corners& corners, const std::vector<FarPlace>& details, Deviation& deviation) const;
-  double DistanceToOutput(const Vec3& place, const Corners& corners, double enough) const;
+  void MeasureDetails(const Corners& corners, const std::vector<FarPlace>& details, Deviation& deviation);
+  double DistanceAround(const Vec3& place, const Corners& corners, double enough) const;
+  int TriesAt(const Vec3& place) const;
+  double DistanceTo(const Corners& corners, const Vec3& place) const;
+  double DistanceFartherOn(const Vec3& place, const Corners& corners, double enough, double least);
   double RatioOf(const Corners& corners) const;
   bool TryLift(WindowTriangleId t, Deviation deviation);
   bool LiftOnce(const Corners& corners, const PlaceAndFoot& worst);
@@ -92,7 +98,7 @@ class Refinement {
   void RoundOff(WindowVertexId v);
   double WorstAround(WindowVertexId v, const Vec3& place, double floor) const;
   double WorstAround(const Quad& q) const;
-  double LeastRatioFor(WindowTriangleId t, Manner manner) const;
+  double LeastRatioFor(WindowTriangleId t, Manner manner, double excess) const;
   void RefineAt(WindowTriangleId t, const Deviation& deviation, Manner manner);
   bool HalveSides(WindowTriangleId t, const Deviation& deviation);
   bool TrySplitRim(WindowTriangleId t, const SourcePoint& place);
@@ -123,8 +129,13 @@ class Refinement {
   // The same triangles are measured again: before they are mended, and in the rounds after that. By a hash of their corners.
   static constexpr size_t kRemembered = 1024;
   std::vector<Measurement> remembered_;
-  std::vector<WindowVertexId> made_;  // by this call of Refine
-  std::vector<uint8_t> touched_;      // triangle slots that this call has changed
+  std::vector<WindowVertexId> made_;                                    // by this call of Refine
+  std::vector<uint8_t> touched_;                                        // triangle slots that this call has changed
+  absl::flat_hash_map<std::tuple<double, double, double>, int> tries_;  // refinements for a detail, by its place
+  // Scratch of DistanceFartherOn: when a vertex slot was seen last, and by squared distance what is to be visited.
+  std::vector<uint32_t> seen_;
+  uint32_t seen_now_ = 0;
+  std::vector<std::pair<double, WindowVertexId>> queue_;
 };
 
 }  // namespace meshfront

@@ -28,7 +28,7 @@ constexpr double kMinFlipGain = 1.02 * 1.02;  // the smaller sine's square must 
 constexpr double kNeedleSineSquared = 1e-5;   // below it a ratio is left to RadiusRatio, which knows needles
 constexpr double kNoFloor = -std::numeric_limits<double>::infinity();
 constexpr double kMinMoveNormalCosine = 0.3;
-constexpr double kSearchBelow = 0.85;                // radius ratio under which a vertex is worth a search
+constexpr double kSearchBelow = 0.875;                // radius ratio under which a vertex is worth a search
 constexpr double kSearchSteps[] = {0.2, 0.1, 0.05};  // in parts of the mean spoke
 constexpr int kImproveSweeps = 2, kSearchSweeps = 4, kFitSweeps = 2;
 constexpr double kMaxFitPerLength = 0.15;  // the fit moves a vertex by at most this part of its mean spoke
@@ -38,7 +38,7 @@ constexpr int kMovedRounds = 8, kPlainRounds = 4,
               kLastRounds = 4;  // of the refinement; each reaches every triangle once
 // Of max_error, where only what is far beyond it is refined. At 1 the maximum is the same and triangles are less round, since a few
 // places make it; at 1.9 it is larger.
-constexpr double kFarBeyondMaxError = 1.3;
+constexpr double kFarBeyondMaxError = 1.5;
 constexpr double kSlackStep = 1.05;
 // What a triangle may deviate at most, in parts of the largest place that was measured before it was given up.
 constexpr double kMostPerMeasured = 1.5;

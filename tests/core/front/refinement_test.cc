@@ -179,6 +179,70 @@ TEST(Refinement, WalksAgainForWhatHasChangedOnly) {
   EXPECT_FALSE(is_kept_after_walks(true));
 }
 
+// A plane that tells of one place over each triangle, whatever lies there.
+class FoldedPlane : public PlaneSurface {
+ public:
+  explicit FoldedPlane(const Vec3& above) : above_(above) {}
+  bool FindFarPlaces(const SourcePoint&, const std::array<Vec3, 3>& triangle, double, double,
+                     std::vector<FarPlace>& far, std::vector<DoubtfulPart>* doubtful) const override {
+    if (doubtful) doubtful->clear();
+    far = {{(triangle[0] + triangle[1] + triangle[2]) / 3.0, {above_, {0, 0, 1}}, true, true}};
+    return true;
+  }
+
+ private:
+  Vec3 above_;
+};
+
+//     1 --- 3 --- 5 __
+//    /  \  /  \  /     \       a strip of triangles, seen from the side: it leads away, up and back
+//   0 --- 2 --- 4 --- 6
+TEST(Refinement, FindsThatAPlaceOverATriangleBelongsToOthersSomeTrianglesAway) {
+  const auto is_kept = [](const Vec3& above) {
+    const FoldedPlane surface(above);
+    FrontSet fronts;
+    std::vector<WindowVertexId> v;
+    const auto vertex = [&](double x, double y, double z) {
+      v.push_back(fronts.AddVertex({{x, y, z}, {0, 0, 1}}, 1, 1));
+    };
+    for (int i = 0; i < 5; ++i) vertex(0.5 * i, i % 2, 0);
+    for (int i = 5; i > 0; --i) vertex(0.5 * i, i % 2, 0.4);
+    fronts.AddSeed(v[0], v[2], v[1]);
+    for (size_t i = 3; i < v.size(); ++i) {
+      FrontEdgeId last = fronts.FindEdge(v[i - 2], v[i - 1]);
+      if (!last.valid()) last = fronts.FindEdge(v[i - 1], v[i - 2]);
+      fronts.Grow(last, v[i]);
+    }
+    EXPECT_EQ(FaultOf(fronts), "");
+    return Refinement(surface, fronts, 0.2, 0, 0, true).Measure(LiveTriangles(fronts)[0]).is_kept;
+  };
+  EXPECT_TRUE(is_kept({0.7, 0.5, 0.4})) << "on the strip's other end";
+  EXPECT_FALSE(is_kept({0.7, 0.5, 0.8})) << "on nothing";
+}
+
+// However many vertices there are, one place stays as far away.
+TEST(Refinement, GivesUpToComeNearerToAPlaceThatNoVertexComesNearerTo) {
+  const FoldedPlane surface({0.5, 0.4, 0.8});
+  FrontSet fronts;
+  std::vector<WindowVertexId> v;
+  for (int i = 0; i < 6; ++i) {  // clockwise: open inside
+    const double angle = -std::numbers::pi / 3 * i;
+    v.push_back(fronts.AddVertex({{std::cos(angle), std::sin(angle), 0}, {0, 0, 1}}, 1, 1));
+  }
+  FrontSet::Step step = fronts.Grow(fronts.AddLoop(v), fronts.AddVertex({{0, 0, 0}, {0, 0, 1}}, 1, 1));
+  while (fronts.front_edge_count() > 0) {
+    const FrontEdgeId rim = fronts.at(step.made[step.made_count - 1]).next;
+    step = fronts.Connect(rim, fronts.at(rim).prev, TriangleKind::kConnection);
+  }
+  Refinement refinement(surface, fronts, 0.2, 0, 0, true);
+  size_t made = 0;
+  for (int round = 0; round < 40; ++round)
+    made += refinement.Refine(LiveTriangles(fronts), Refinement::Manner::kAnyShape, NoLimit).size();
+  EXPECT_GT(made, 0u);
+  EXPECT_LE(made, 12u);
+  EXPECT_TRUE(refinement.Refine(LiveTriangles(fronts), Refinement::Manner::kAnyShape, NoLimit).empty());
+}
+
 //     f ------- e
 //    /  \    /   \         a, b and c are a rim that turns in at b, where two triangles of 120 degrees meet: no place of p makes
 //   g --- p ------ d       both round. A side turned to b does, once p has moved.
