@@ -49,6 +49,8 @@ constexpr double kProbeTolerance = 0.01;  // counts on a part of the faces are o
 constexpr size_t kProbeFaces = 4096, kCheckedProbePieces = 1024;
 constexpr double kNear = 0.15;  // of a count: so near, counts on a part of the faces tell how those on all change
 constexpr double kErrorCountFactor = 1.01, kRefinedPerLeftOut = 0.1, kMostLeftOut = 0.1;
+// For a count: of the triangles, what refinement adds where there are many beside the input's, from so many of them on.
+constexpr double kMostRefined = 0.008, kFirstRefined = 0.2, kAllRefined = 0.5;
 constexpr double kDetailPerEvenLength = 0.75;  // where a search for it begins
 constexpr double kThicknessHeadroom = 1.2;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -168,10 +170,14 @@ absl::Status FieldBuilder::SetCurvatures(const Context& context) {
 }
 
 // Where the distance is held constant fields have wider plateaus, and the front makes more of their slopes than the prediction
-// tells; and up to four in a hundred come from refinement, none on smooth surfaces. Fitted like the rest of it.
-double FieldBuilder::CountFactor() const {
+// tells; and up to three in a hundred come from refinement: of the turns at the input's edges, where the output is about as fine, and
+// of detail that was left out. Fitted like the rest of it.
+double FieldBuilder::CountFactor(double by_area) const {
   if (limits_.sizing != Sizing::kError) return 1;
-  return kErrorCountFactor + kRefinedPerLeftOut * std::min(left_out_, kMostLeftOut);
+  if (!is_counting_) return kErrorCountFactor;
+  const double fineness = by_area / static_cast<double>(surface_.mesh().triangles.size());
+  const double refined = std::clamp((fineness - kFirstRefined) / (kAllRefined - kFirstRefined), 0.0, 1.0);
+  return kErrorCountFactor + kMostRefined * refined + kRefinedPerLeftOut * std::min(left_out_, kMostLeftOut);
 }
 
 // How far from a vertex the other sheet matters, in parts of the length that its curvature asks for.
@@ -295,7 +301,7 @@ absl::StatusOr<SizedField> FieldBuilder::Build(double parameter, const Context& 
   MESHFRONT_ASSIGN_OR_RETURN(SizedField sized, BuildField(parameter, context));
   const FaceSpans faces{surface_.mesh().positions, surface_.mesh().triangles, curvatures_};
   MESHFRONT_ASSIGN_OR_RETURN(const double by_area, PredictTriangles(faces, sized.field, context));
-  sized.predicted_triangles = CountFactor() * by_area + CountBesideWidths(sized.field);
+  sized.predicted_triangles = CountFactor(by_area) * by_area + CountBesideWidths(sized.field);
   return sized;
 }
 
@@ -308,8 +314,8 @@ absl::StatusOr<SizedField> FieldBuilder::Sketch(double parameter, const Context&
   }
   MESHFRONT_ASSIGN_OR_RETURN(SizedField sized, BuildField(parameter, context));
   MESHFRONT_RETURN_IF_ERROR(CountOnProbeOnce(sized, context));
-  sized.predicted_triangles =
-      CountFactor() * sized.count_on_probe / probe_->part_of_area + CountBesideWidths(sized.field);
+  const double by_area = sized.count_on_probe / probe_->part_of_area;
+  sized.predicted_triangles = CountFactor(by_area) * by_area + CountBesideWidths(sized.field);
   return sized;
 }
 

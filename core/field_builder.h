@@ -101,7 +101,7 @@ class FieldBuilder {
   absl::Status MeasureThickness(const Context& context);
   absl::Status MeasureWidths(const Context& context);
   double LengthForWidth(const WidthSample& place) const;
-  double CountFactor() const;
+  double CountFactor(double by_area) const;
   double CountBesideWidths(const GuidanceField& field) const;
   absl::StatusOr<SizedField> BuildField(double parameter, const Context& context);
   absl::StatusOr<SizedField> Sketch(double parameter, const Context& context);
