@@ -7,13 +7,11 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/types/span.h"
-#include "core/geometry/bvh.h"
+#include "core/front/meeting_boxes.h"
 #include "core/geometry/intersection.h"
 
 namespace meshfront {
 namespace {
-
-constexpr uint32_t kNone = 0xffffffffu;
 
 // The triangles of pairs (i, j), by i, and for each i by the rank of j.
 WindowTrianglePairs InOrder(const std::vector<std::pair<uint32_t, uint32_t>>& pairs, absl::Span<const uint32_t> ranked,
@@ -75,30 +73,17 @@ WindowTrianglePairs FindIntersections(const FrontSet& fronts, absl::FunctionRef<
     const WindowVertex& v = fronts.at(WindowVertexId(i));
     is_simple[i] = v.alive && !v.on_front() && HasSimpleStar(fronts, WindowVertexId(i));
   }
-  std::vector<std::array<uint32_t, 3>> simple_corners;  // of each triangle; kNone in place of the others
-  for (const Triangle& t : triangles) {
-    const auto corner = [&](int i) { return is_simple[t[i].index()] ? t[i].index() : kNone; };
-    simple_corners.push_back({corner(0), corner(1), corner(2)});
-  }
-  const auto share_simple_star = [&](uint32_t i, uint32_t j) {
-    bool shares = false;  // without branches: most pairs do, but at any of the corners
-    for (const uint32_t v : simple_corners[i])
-      shares |= (v == triangles[j][0].index()) | (v == triangles[j][1].index()) | (v == triangles[j][2].index());
-    return shares;
-  };
-  const TriangleBvh bvh(positions, triangles);
   std::vector<uint8_t> is_leaving(triangles.size());
   for (uint32_t i = 0; i < triangles.size(); ++i) is_leaving[i] = leaves(ids[i]);
+  const MeetingBoxes meeting = FindMeetingBoxes(positions, triangles, is_leaving, is_simple);
   std::vector<std::pair<uint32_t, uint32_t>> found;
-  bvh.VisitOverlappingPairs([&](FaceId f, FaceId g) {
-    uint32_t i = f.index(), j = g.index();
-    if (!(is_leaving[i] | is_leaving[j]) || share_simple_star(i, j)) return;
+  for (auto [i, j] : meeting.pairs) {
     if (is_leaving[i] == is_leaving[j] ? j < i : is_leaving[j]) std::swap(i, j);  // i leaves, the elder if both do
     const Vec3 a[3] = {place(triangles[i], 0), place(triangles[i], 1), place(triangles[i], 2)};
     const Vec3 b[3] = {place(triangles[j], 0), place(triangles[j], 1), place(triangles[j], 2)};
     if (TrianglesIntersect(a, b, SharedCornersOf(triangles[i], triangles[j]))) found.push_back({i, j});
-  });
-  return InOrder(found, bvh.order(), ids);
+  }
+  return InOrder(found, meeting.order, ids);
 }
 
 }  // namespace meshfront
