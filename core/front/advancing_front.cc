@@ -51,8 +51,10 @@ constexpr double kCoarsestPerFinest =
     0.5;  // an area opens at an edge that no edge in its reach is shorter than by this factor
 constexpr double kFocusPerArea = 1.4;  // what the edges of an area look at reaches so far, in radii of the area
 constexpr size_t kWorthAFocus = 6;     // edges to search a connection for
-constexpr double kGoodEar =
-    0.45;  // pseudo-angle (ClockwiseTurn) of 39°: an edge whose ear is this good is not searched at once
+// Scores, which are pseudo-angles (ClockwiseTurn), of an ear that stands for its edge until its turn comes (18°), and that is made without
+// looking for something better then (39°). Most edges are taken by a neighbour's connection before, and most good ears are the best.
+constexpr double kSomeEar = 0.2;
+constexpr double kGoodEar = 0.45;
 [[maybe_unused]] constexpr size_t kSlotsPerCheckedStep = 64;  // of the front set, in builds with assertions
 constexpr int kStepsBetweenChecks = 64;   // of the stop flag and the clock: well under a millisecond
 constexpr size_t kMinSettleBatch = 3000;  // triangles, before the window is worth a sweep
@@ -123,7 +125,7 @@ class AdvancingFront {
   void Wait(const EdgeRef& ref);
   void Schedule(FrontEdgeId edge, AgendaStage stage, double ratio);
   void Farewell(FrontEdgeId edge);  // before it is consumed
-  void Revive(FrontEdgeId edge);    // its surroundings changed
+  void Revive(FrontEdgeId edge, Proposer::Neighbour changed);
   FrontEdgeId FinestAround(FrontEdgeId edge);
   bool OpenArea();
   bool InArea(FrontEdgeId edge) const;
@@ -303,17 +305,17 @@ void AdvancingFront::Farewell(FrontEdgeId edge) {
 
 // A neighbour changed. What the edge had planned is looked at again when its turn comes; only the ear with the new neighbour can
 // bring that turn forward.
-void AdvancingFront::Revive(FrontEdgeId edge) {
+void AdvancingFront::Revive(FrontEdgeId edge, Proposer::Neighbour changed) {
   EdgeState& state = StateOf(edge);
   if (!state.in_area || state.stage == AgendaStage::kFree) return;
-  if (state.stuck || state.stage == AgendaStage::kSearch) {
+  if (state.stuck) {
     state.stuck = false;
     Schedule(edge, AgendaStage::kSearch, 0);
-    return;
+  } else if (state.stage == AgendaStage::kConnect) {
+    state.outdated = true;
+    const ConnectionProposal ear = proposer_.ProposeEar(edge, kStrictness[strictness_], changed, state.score);
+    if (ear.corner.valid()) PlanConnection(edge, ear, true);
   }
-  state.outdated = true;
-  const ConnectionProposal ear = proposer_.ProposeEar(edge, kStrictness[strictness_]);
-  if (ear.score > state.score) PlanConnection(edge, ear, true);
 }
 
 // The edge around which the working area opens: `edge`, or where its area would hold much finer ones, the finest of those. A ball
@@ -432,14 +434,15 @@ void AdvancingFront::Strand(FrontEdgeId edge) {
   stuck_.push_back({edge, fronts_.at(edge).generation});
 }
 
-// An edge with a good ear needs no search yet: most of them are taken by a neighbour's connection before their turn comes.
+// What is found is a plan only, looked at again when its turn comes: fences and surface are asked then.
 void AdvancingFront::SearchConnection(FrontEdgeId edge) {
   if (strictness_ == 0) {
-    const ConnectionProposal ear = proposer_.ProposeEar(edge, kStrictness[0]);
-    if (ear.score >= kGoodEar) return PlanConnection(edge, ear, true);
+    const ConnectionProposal ear = proposer_.ProposeEar(edge, kStrictness[0], Proposer::Neighbour::kEither, kSomeEar);
+    if (ear.corner.valid()) return PlanConnection(edge, ear, true);
   }
   ConnectionProposal proposal;
-  if (proposer_.ProposeConnection(edge, kStrictness[strictness_], proposal) == Verdict::kAccepted)
+  if (proposer_.ProposeConnection(edge, kStrictness[strictness_], Proposer::Scrutiny::kShape, proposal) ==
+      Verdict::kAccepted)
     PlanConnection(edge, proposal, false);
   else
     Strand(edge);
@@ -448,12 +451,20 @@ void AdvancingFront::SearchConnection(FrontEdgeId edge) {
 void AdvancingFront::MakeConnection(FrontEdgeId edge) {
   const EdgeState state = StateOf(edge);
   const Strictness& strictness = kStrictness[strictness_];
-  if (!state.outdated && fronts_.IsAlive(state.corner, state.corner_generation) &&
-      proposer_.CheckConnection(edge, state.corner, strictness) == Verdict::kAccepted) {
-    return Connect(edge, state.corner, TriangleKind::kConnection);
+  const auto is_ear = [&] {  // with a neighbour as it is now
+    return state.corner == fronts_.at(edge).prev || state.corner == fronts_.at(fronts_.at(edge).next).next;
+  };
+  if (fronts_.IsAlive(state.corner, state.corner_generation) &&
+      (!state.outdated || (state.score >= kGoodEar && is_ear()))) {
+    ConnectionProposal planned{state.corner, state.score};
+    if (proposer_.CheckConnection(edge, strictness, planned) == Verdict::kAccepted &&
+        static_cast<float>(planned.score) >= state.score) {
+      return Connect(edge, state.corner, TriangleKind::kConnection);
+    }
   }
   ConnectionProposal proposal;
-  if (proposer_.ProposeConnection(edge, strictness, proposal) != Verdict::kAccepted) return Strand(edge);
+  if (proposer_.ProposeConnection(edge, strictness, Proposer::Scrutiny::kWhole, proposal) != Verdict::kAccepted)
+    return Strand(edge);
   if (static_cast<float>(proposal.score) >= state.score)
     Connect(edge, proposal.corner, TriangleKind::kConnection);
   else
@@ -476,8 +487,8 @@ void AdvancingFront::AfterStep(const FrontSet::Step& step) {
   strictness_ = 0;
   for (int i = 0; i < step.made_count; ++i) Welcome(step.made[i]);
   for (int i = 0; i < step.made_count; ++i) {
-    Revive(fronts_.at(step.made[i]).prev);
-    Revive(fronts_.at(step.made[i]).next);
+    Revive(fronts_.at(step.made[i]).prev, Proposer::Neighbour::kAfter);
+    Revive(fronts_.at(step.made[i]).next, Proposer::Neighbour::kBefore);
   }
   peak_front_edges_ = std::max<uint64_t>(peak_front_edges_, fronts_.front_edge_count());
 }

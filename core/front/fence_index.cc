@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/front/tolerances.h"
+#include "core/geometry/lanes.h"
 #include "core/guidance/sizing.h"
 
 namespace meshfront {
@@ -21,7 +22,6 @@ constexpr double kFocusSlack = 1 + 1e-12;  // for rounding
 constexpr double kFloatSlack = 1e-5;
 constexpr float kOutOfReach = 1e18f;
 
-typedef float Floats __attribute__((vector_size(16)));
 typedef float UnalignedFloats __attribute__((vector_size(16), aligned(4), may_alias));
 inline const UnalignedFloats& FloatsAt(const float* values) {
   return *reinterpret_cast<const UnalignedFloats*>(values);
@@ -206,37 +206,21 @@ void FenceIndex::Focus(const Vec3& center, double radius, const Vec3& normal) {
   for (const FrontEdgeId edge : found) AddToFocus(edge.index());
 }
 
-// Four balls at a time, coarsely; what is left is looked at as outside the focus.
+// Four balls at a time, coarsely: a few that stay clear by a rounding of floats are found as well.
 void FenceIndex::QueryFocus(const Vec3& center, double radius, std::vector<FrontEdgeId>& found) const {
   const double reach = radius + largest_in_focus_, middle = center[focus_axis_];
   const int low = StripAt(middle - reach), high = StripAt(middle + reach);
   const Vec3 place = (center - focus_.center) / focus_.radius;
   const float x = static_cast<float>(place.x), y = static_cast<float>(place.y), z = static_cast<float>(place.z);
   const float r = static_cast<float>(radius / focus_.radius * (1 + kFloatSlack) + kFloatSlack);
-  const size_t before = found.size();
-  size_t count = before, most = before + kLanes;
-  for (int i = low; i <= high; ++i) most += kLanes * strips_[i].blocks.size();
-  found.resize(most);
   for (int i = low; i <= high; ++i) {
     for (const Block& block : strips_[i].blocks) {
-      const Floats dx = FloatsAt(block.x) - x, dy = FloatsAt(block.y) - y, dz = FloatsAt(block.z) - z;
-      const Floats apart = FloatsAt(block.radius) + r;
-      const auto meets = dx * dx + dy * dy + dz * dz <= apart * apart;
-      const auto halves = std::bit_cast<std::array<uint64_t, 2>>(meets);
-      if ((halves[0] | halves[1]) == 0) continue;
-      for (uint32_t lane = 0; lane < kLanes; ++lane) {  // without branches
-        found[count] = FrontEdgeId(block.slot[lane]);
-        count -= meets[lane];
-      }
+      const FourFloats dx = FloatsAt(block.x) - x, dy = FloatsAt(block.y) - y, dz = FloatsAt(block.z) - z;
+      const FourFloats apart = FloatsAt(block.radius) + r;
+      for (uint32_t lanes = LanesOf(dx * dx + dy * dy + dz * dz <= apart * apart); lanes != 0; lanes &= lanes - 1)
+        found.push_back(FrontEdgeId(block.slot[std::countr_zero(lanes)]));
     }
   }
-  const auto is_far = [&](FrontEdgeId edge) {
-    const Ball& ball = slots_[edge.index()].ball;
-    const double apart = radius + ball.radius;
-    return !(SquaredDistance(ball.center, center) <= apart * apart);
-  };
-  found.resize(count);
-  found.erase(std::remove_if(found.begin() + before, found.end(), is_far), found.end());
 }
 
 void FenceIndex::Query(const Vec3& center, double radius, std::vector<FrontEdgeId>& found) const {

@@ -25,12 +25,17 @@ constexpr double kFreeMinNormalCosine = 0.5;
 constexpr double kMinRadiusPerBase = 0.7,
                  kMaxRadiusPerBase = 1.6;  // free sides against a base that is too long or too short
 constexpr double kFarTooClose = 0.85;      // of the clearance: what curvature may add to a distance in the plane
+constexpr double kApexMayMove =
+    0.2;  // in steps, from the plane of its edge to the surface, before its surroundings are others
 constexpr double kSixtyDegrees = 0.6339745962155614;  // ClockwiseTurn of 60°
 // Turn below which a corner is none (0.006°): what it leaves behind could only be filled by a triangle without area.
 constexpr double kLeastCorner = 1e-4;
 constexpr double kSignTells =
     1e-6;  // a cosine that is required and above this is not met by what is not positive, rounded or not
-constexpr double kBallSlack = 1 + 1e-6;      // for rounding, and for the normals of needles
+constexpr double kBallSlack = 1 + 1e-6;  // for rounding, and for the normals of needles
+// Cosine between the normals of an ear and of the surface at its corners, from which on it stands for the surface: where that is a
+// thin part's other side, or a lumen, they disagree.
+constexpr double kSmoothEar = 0.9;
 constexpr double kSameSheetResidual = 1e-3;  // in parts of the side: a descent that arrives is exact
 
 // Strictly inside the triangle when seen along its normal `m` (any length).
@@ -85,38 +90,58 @@ Verdict Proposer::ProposeFree(FrontEdgeId edge, FreeProposal& proposal) {
   const double base = Distance(a.position, b.position);
   const double radius_a = std::clamp(a.length, kMinRadiusPerBase * base, kMaxRadiusPerBase * base);
   const double radius_b = std::clamp(b.length, kMinRadiusPerBase * base, kMaxRadiusPerBase * base);
-  if (const Verdict v = CheckNeighbours(edge, radius_a, radius_b); v != Verdict::kAccepted) return Judge(v);
+  const double step = 0.5 * (radius_a + radius_b), reach = 1.05 * std::max(radius_a, radius_b);
+  const std::optional<FlatApex> flat = FindFlatApex(a, b, radius_a, radius_b);
+  if (flat) {
+    if (const Verdict v = CheckNeighbours(edge, *flat, step); v != Verdict::kAccepted) return Judge(v);
+    Gather(edge, flat->position, reach + kApexMayMove * step);
+    if (IsFarTooClose(edge, *flat, step)) return Judge(Verdict::kTooClose);
+  }
   const std::optional<SourcePoint> apex = surface_.FindApex(a.source, b.source, radius_a, radius_b);
   if (!apex) return Judge(Verdict::kNoApex);
-  const double step = 0.5 * (radius_a + radius_b);
-  Gather(edge, apex->position, 1.05 * std::max(radius_a, radius_b));
+  if (!flat || SquaredDistance(apex->position, flat->position) > kApexMayMove * kApexMayMove * step * step)
+    Gather(edge, apex->position, reach);
   proposal.apex = *apex;
   proposal.at_guidance = radius_a == a.length && radius_b == b.length;
   return Judge(CheckFree(edge, *apex, step));
 }
 
-// Refuses what the fences before and after the edge would refuse by far: seen in the plane of the edge and its normal, which spares
-// most of the vain placements.
+// The apex in the plane of the edge and its normal; nothing when the sides do not meet.
+std::optional<Proposer::FlatApex> Proposer::FindFlatApex(const WindowVertex& a, const WindowVertex& b, double radius_a,
+                                                         double radius_b) {
+  const Vec3 along = b.position - a.position;
+  const double base2 = SquaredNorm(along);
+  const double x = (radius_a * radius_a - radius_b * radius_b + base2) / (2 * base2);
+  const double y2 = radius_a * radius_a / base2 - x * x;
+  if (!(y2 > 0)) return std::nullopt;
+  const Vec3 normal = Normalized(a.source.normal + b.source.normal);
+  return FlatApex{a.position + x * along + std::sqrt(y2) * Cross(along, normal), normal};
+}
+
+// Refuses what the fences before and after the edge would refuse by far, which spares most of the vain placements.
 //
 //        P        the apex of e stands within the clearance of P–a, or behind it, when the corner at a is
 //         \\       below 90° or so
 //      x   a --e--> b
-Verdict Proposer::CheckNeighbours(FrontEdgeId edge, double radius_a, double radius_b) const {
-  const WindowVertex &a = fronts_.at(fronts_.From(edge)), &b = fronts_.at(fronts_.To(edge));
-  const Vec3 along = b.position - a.position;
-  const double base2 = SquaredNorm(along);
-  const Vec3 normal = Normalized(a.source.normal + b.source.normal);
-  const double x = (radius_a * radius_a - radius_b * radius_b + base2) / (2 * base2);
-  const double y2 = radius_a * radius_a / base2 - x * x;
-  if (!(y2 > 0)) return Verdict::kAccepted;
-  const Vec3 apex = a.position + x * along + std::sqrt(y2) * Cross(along, normal);
-  const double clearance = kFarTooClose * kFreeClearance * 0.5 * (radius_a + radius_b);
+Verdict Proposer::CheckNeighbours(FrontEdgeId edge, const FlatApex& apex, double step) const {
+  const double clearance = kFarTooClose * kFreeClearance * step;
   for (const FrontEdgeId neighbour : {fronts_.at(edge).prev, fronts_.at(edge).next}) {
     const Fence& f = fences_.at(neighbour);
-    if (!(DistanceToFence(apex, normal, f) < clearance)) continue;
-    return Dot(normal, Cross(f.end - f.start, apex - f.start)) > 0 ? Verdict::kOutsideSector : Verdict::kTooClose;
+    if (!(DistanceToFence(apex.position, apex.normal, f) < clearance)) continue;
+    return Dot(apex.normal, Cross(f.end - f.start, apex.position - f.start)) > 0 ? Verdict::kOutsideSector
+                                                                                 : Verdict::kTooClose;
   }
   return Verdict::kAccepted;
+}
+
+// The same for all the fences around.
+bool Proposer::IsFarTooClose(FrontEdgeId edge, const FlatApex& apex, double step) const {
+  const double clearance = kFarTooClose * kFreeClearance * step;
+  return std::any_of(near_.begin(), near_.end(), [&](const Near& near) {
+    const double apart = clearance + near.reach;
+    return near.edge != edge && SquaredDistance(near.middle, apex.position) <= apart * apart &&
+           DistanceToFence(apex.position, apex.normal, fences_.at(near.edge)) < clearance;
+  });
 }
 
 // Whether the new side number `side`, from one source point to another, crosses a front edge. Where the fences leave it unclear, the
@@ -306,42 +331,59 @@ bool Proposer::SurroundsOpenSide(FrontEdgeId edge) const {
   return turns < 2.0 * corners;
 }
 
-// A fence whose ball stays clear of the triangle's, with the heights and clearances added, can fail no test.
-Verdict Proposer::CheckFences(const Candidate& c, const Strictness& s) {
+// The new sides of a candidate as fences, the room that it wants around it, and a ball around all of that.
+struct Proposer::NewFences {
+  NewEdge side_a, side_b;  // a–c and b–c
+  double height, clearance_a, clearance_b;
+  Vec3 center;
+  double reach;
+};
+
+Proposer::NewFences Proposer::FencesOf(const Candidate& c, const Strictness& s) {
   const double height_a = FenceHalfHeight(c.side_ac, std::max(c.a->max_curvature, c.c->max_curvature));
   const double height_b = FenceHalfHeight(c.side_cb, std::max(c.b->max_curvature, c.c->max_curvature));
-  const NewEdge side_a{c.a->position, c.c->position, Normalized(c.a->source.normal + c.c->source.normal), height_a};
-  const NewEdge side_b{c.b->position, c.c->position, Normalized(c.b->source.normal + c.c->source.normal), height_b};
   const double height = std::max({height_a, height_b, kMinFenceHeightPerLength * c.side_ab});
   const double clearance_a = s.clearance * std::min(c.side_ac, std::max(c.a->length, c.c->length));
   const double clearance_b = s.clearance * std::min(c.side_cb, std::max(c.b->length, c.c->length));
-  const uint32_t at_a = fronts_.IdentityOf(c.ia), at_b = fronts_.IdentityOf(c.ib), at_c = fronts_.IdentityOf(c.ic);
-  const auto touches = [](const Fence& f, uint32_t u, uint32_t v) {
-    return f.from == u || f.to == u || f.from == v || f.to == v;
-  };
   const Vec3 center = (c.a->position + c.b->position + c.c->position) / 3.0;
   const double radius =
       std::sqrt(std::max({SquaredDistance(center, c.a->position), SquaredDistance(center, c.b->position),
                           SquaredDistance(center, c.c->position)}));
-  const double reach = kBallSlack * (radius + std::max({height, clearance_a, clearance_b}));
+  return {{c.a->position, c.c->position, Normalized(c.a->source.normal + c.c->source.normal), height_a},
+          {c.b->position, c.c->position, Normalized(c.b->source.normal + c.c->source.normal), height_b},
+          height,
+          clearance_a,
+          clearance_b,
+          center,
+          kBallSlack * (radius + std::max({height, clearance_a, clearance_b}))};
+}
+
+// A fence whose ball stays clear of the triangle's, with the heights and clearances added, can fail no test.
+Verdict Proposer::CheckFences(const Candidate& c, const NewFences& fences) {
+  const uint32_t at_a = fronts_.IdentityOf(c.ia), at_b = fronts_.IdentityOf(c.ib), at_c = fronts_.IdentityOf(c.ic);
+  const auto touches = [](const Fence& f, uint32_t u, uint32_t v) {
+    return f.from == u || f.to == u || f.from == v || f.to == v;
+  };
+  const Vec3& center = fences.center;
+  const double reach = fences.reach;
   for (NewWay& way : new_ways_) way.is_known = false;
   for (const Near& near : near_) {
     const double apart = reach + near.reach;
     if (SquaredDistance(near.middle, center) > apart * apart || near.edge == c.edge) continue;
     const Fence& f = fences_.at(near.edge);
-    if (!c.zip_before && !touches(f, at_a, at_c) && Crosses(side_a, c.a->source, c.c->source, 0, near.edge))
+    if (!c.zip_before && !touches(f, at_a, at_c) && Crosses(fences.side_a, c.a->source, c.c->source, 0, near.edge))
       return Verdict::kCrossesFence;
-    if (!c.zip_after && !touches(f, at_b, at_c) && Crosses(side_b, c.b->source, c.c->source, 1, near.edge))
+    if (!c.zip_after && !touches(f, at_b, at_c) && Crosses(fences.side_b, c.b->source, c.c->source, 1, near.edge))
       return Verdict::kCrossesFence;
     if (f.from == at_a || f.from == at_b || f.from == at_c) continue;
     if (SquaredDistance(f.start, center) > reach * reach || Dot(f.normal, c.normal) < kOtherSheetCosine) continue;
     const double off = std::abs(Dot(c.normal, f.start - c.a->position));
-    if (off <= height && ProjectsInside(f.start, c.normal, c.b->position, c.a->position, c.c->position)) {
+    if (off <= fences.height && ProjectsInside(f.start, c.normal, c.b->position, c.a->position, c.c->position)) {
       return Verdict::kContainsVertex;
     }
-    if (!c.zip_before && DistanceToSegment(f.start, c.a->position, c.c->position) < clearance_a)
+    if (!c.zip_before && DistanceToSegment(f.start, c.a->position, c.c->position) < fences.clearance_a)
       return Verdict::kTooClose;
-    if (!c.zip_after && DistanceToSegment(f.start, c.b->position, c.c->position) < clearance_b)
+    if (!c.zip_after && DistanceToSegment(f.start, c.b->position, c.c->position) < fences.clearance_b)
       return Verdict::kTooClose;
   }
   return Verdict::kAccepted;
@@ -364,13 +406,19 @@ bool Proposer::StandsForSurface(const SourcePoint& a, const SourcePoint& b, cons
 }
 
 // What comes after CheckShape and CheckSectors.
-Verdict Proposer::CheckSurroundings(const Candidate& c, const Strictness& s) {
+Verdict Proposer::CheckSurroundings(const Candidate& c, const NewFences& fences, const Strictness& s) {
   const Link owner = fronts_.at(c.edge).owner;
   if (owner.is_half_edge() && fronts_.at(owner.triangle()).corners[(owner.side() + 2) % 3] == c.ic)
     return Verdict::kEdgeExists;
   if (!c.zip_before && fronts_.EdgeExists(c.ia, c.ic)) return Verdict::kEdgeExists;
   if (!c.zip_after && fronts_.EdgeExists(c.ib, c.ic)) return Verdict::kEdgeExists;
-  if (const Verdict v = CheckFences(c, s); v != Verdict::kAccepted) return v;
+  if (const Verdict v = CheckFences(c, fences); v != Verdict::kAccepted) return v;
+  if (c.zip_before || c.zip_after) {
+    // The front leads from corner to corner, and the surface faces where the triangle does.
+    const double agreement = std::min(
+        {Dot(c.normal, c.a->source.normal), Dot(c.normal, c.b->source.normal), Dot(c.normal, c.c->source.normal)});
+    if (agreement >= kSmoothEar) return Verdict::kAccepted;
+  }
   return StandsForSurface(c, s.sheet_tolerance) ? Verdict::kAccepted : Verdict::kOffSheet;
 }
 
@@ -395,11 +443,14 @@ double Proposer::SearchRadius(FrontEdgeId edge, const Strictness& s) const {
   return s.range * kSearchRange * length;
 }
 
-ConnectionProposal Proposer::ProposeEar(FrontEdgeId edge, const Strictness& strictness) const {
-  ConnectionProposal proposal;
+ConnectionProposal Proposer::ProposeEar(FrontEdgeId edge, const Strictness& strictness, Neighbour with,
+                                        double least_score) const {
+  ConnectionProposal proposal{{}, least_score};
   Candidate c;
   DescribeBase(edge, c);
-  for (const FrontEdgeId corner : {c.before, c.after}) {
+  for (const Neighbour side : {Neighbour::kBefore, Neighbour::kAfter}) {
+    if (with != Neighbour::kEither && with != side) continue;
+    const FrontEdgeId corner = side == Neighbour::kBefore ? c.before : c.after;
     DescribeCorner(corner, c);
     if (c.ic == c.ia || c.ic == c.ib || CheckShape(c, strictness) != Verdict::kAccepted) continue;
     if (c.optimistic <= proposal.score || CheckSectors(c) != Verdict::kAccepted) continue;
@@ -408,29 +459,39 @@ ConnectionProposal Proposer::ProposeEar(FrontEdgeId edge, const Strictness& stri
   return proposal;
 }
 
-Verdict Proposer::CheckConnection(FrontEdgeId edge, FrontEdgeId corner, const Strictness& strictness) {
+Verdict Proposer::CheckConnection(FrontEdgeId edge, const Strictness& strictness, ConnectionProposal& proposal) {
   Candidate c;
   DescribeBase(edge, c);
-  DescribeCorner(corner, c);
+  DescribeCorner(proposal.corner, c);
   if (c.ic == c.ia || c.ic == c.ib) return Verdict::kEdgeExists;
   if (const Verdict v = CheckShape(c, strictness); v != Verdict::kAccepted) return v;
   if (const Verdict v = CheckSectors(c); v != Verdict::kAccepted) return v;
-  Gather(edge, 0.5 * (c.a->position + c.b->position), SearchRadius(edge, strictness));
-  return CheckSurroundings(c, strictness);
+  proposal.score = c.score;
+  const NewFences fences = FencesOf(c, strictness);
+  Gather(edge, fences.center, fences.reach + fences.height);
+  return CheckSurroundings(c, fences, strictness);
 }
 
-Verdict Proposer::ProposeConnection(FrontEdgeId edge, const Strictness& strictness, ConnectionProposal& proposal) {
+Verdict Proposer::ProposeConnection(FrontEdgeId edge, const Strictness& strictness, Scrutiny scrutiny,
+                                    ConnectionProposal& proposal) {
   Candidate c;
   DescribeBase(edge, c);
   const Vec3 middle = 0.5 * (c.a->position + c.b->position);
   const double radius = SearchRadius(edge, strictness);
   Gather(edge, middle, radius);
   candidates_.clear();
+  const Vec3 open_side_a = Cross(c.ab, c.a->source.normal), open_side_b = Cross(c.ab, c.b->source.normal);
+  const bool signs_tell = strictness.min_normal_cosine > kSignTells;
   Verdict last = Verdict::kTooLong;
   for (const Near& near : near_) {
     const Fence& fence = fences_.at(near.edge);
     if (fence.from == fronts_.IdentityOf(c.ia) || fence.from == fronts_.IdentityOf(c.ib)) continue;
     if (SquaredDistance(fence.start, middle) > radius * radius) continue;
+    const Vec3 ac = fence.start - c.a->position;
+    if (signs_tell && (Dot(ac, open_side_a) <= 0 || Dot(ac, open_side_b) <= 0)) {
+      last = Judge(Verdict::kNormalsDisagree);
+      continue;
+    }
     DescribeCorner(near.edge, c);
     last = CheckShape(c, strictness);
     if (last != Verdict::kAccepted)
@@ -447,7 +508,8 @@ Verdict Proposer::ProposeConnection(FrontEdgeId edge, const Strictness& strictne
     last = CheckSectors(candidate);
     if (last == Verdict::kAccepted) {
       if (candidate.score <= proposal.score) continue;  // would change nothing
-      last = CheckSurroundings(candidate, strictness);
+      if (scrutiny == Scrutiny::kWhole)
+        last = CheckSurroundings(candidate, FencesOf(candidate, strictness), strictness);
     }
     if (Judge(last) == Verdict::kAccepted) proposal = {candidate.corner, candidate.score};
   }

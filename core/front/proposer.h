@@ -64,11 +64,17 @@ class Proposer {
   double FreeRatio(FrontEdgeId edge) const;
   Verdict ProposeFree(FrontEdgeId edge, FreeProposal& proposal);
   // The better of the two connections with a neighbour on the loop, by shape and sectors alone: no fence is tested. Its score is a
-  // lower bound of what ProposeConnection finds, unless a fence stands in the way. No corner when neither will do.
-  ConnectionProposal ProposeEar(FrontEdgeId edge, const Strictness& strictness) const;
-  // The best connection by score; kAccepted or the verdict of the last candidate refused.
-  Verdict ProposeConnection(FrontEdgeId edge, const Strictness& strictness, ConnectionProposal& proposal);
-  Verdict CheckConnection(FrontEdgeId edge, FrontEdgeId corner, const Strictness& strictness);
+  // lower bound of what ProposeConnection finds, unless a fence stands in the way. No corner when neither scores above `least_score`.
+  enum class Neighbour : uint8_t { kBefore, kAfter, kEither };
+  ConnectionProposal ProposeEar(FrontEdgeId edge, const Strictness& strictness, Neighbour with = Neighbour::kEither,
+                                double least_score = -1) const;
+  // The best connection by score; kAccepted or the verdict of the last candidate refused. By shape and sectors alone its score is an upper
+  // bound, at a third of the cost.
+  enum class Scrutiny : uint8_t { kShape, kWhole };
+  Verdict ProposeConnection(FrontEdgeId edge, const Strictness& strictness, Scrutiny scrutiny,
+                            ConnectionProposal& proposal);
+  // Whether the connection may be made now, and its score now.
+  Verdict CheckConnection(FrontEdgeId edge, const Strictness& strictness, ConnectionProposal& proposal);
 
   // Test 4: the sides that are new and the middle of the triangle lie within `tolerance` of the surface, on the same sheet.
   bool StandsForSurface(const SourcePoint& a, const SourcePoint& b, const SourcePoint& apex, bool new_side_a,
@@ -79,6 +85,7 @@ class Proposer {
 
  private:
   struct Candidate;
+  struct NewFences;
   // A fence with a ball around it.
   struct Near {
     FrontEdgeId edge;
@@ -89,15 +96,23 @@ class Proposer {
   static bool MayCross(const FenceIndex::Ball& ball, const Near& fence);
   void Gather(FrontEdgeId of, const Vec3& center, double radius);
   Verdict Judge(Verdict verdict);
-  Verdict CheckNeighbours(FrontEdgeId edge, double radius_a, double radius_b) const;
+  // Where the apex of a free triangle would be on flat ground.
+  struct FlatApex {
+    Vec3 position, normal;
+  };
+  static std::optional<FlatApex> FindFlatApex(const WindowVertex& a, const WindowVertex& b, double radius_a,
+                                              double radius_b);
+  Verdict CheckNeighbours(FrontEdgeId edge, const FlatApex& apex, double step) const;
+  bool IsFarTooClose(FrontEdgeId edge, const FlatApex& apex, double step) const;
   Verdict CheckFree(FrontEdgeId edge, const SourcePoint& apex, double step);
   void DescribeBase(FrontEdgeId edge, Candidate& candidate) const;
   void DescribeCorner(FrontEdgeId corner, Candidate& candidate) const;
   Verdict CheckShape(Candidate& c, const Strictness& strictness) const;
   Verdict CheckSectors(Candidate& c) const;
-  Verdict CheckFences(const Candidate& c, const Strictness& strictness);
+  static NewFences FencesOf(const Candidate& c, const Strictness& strictness);
+  Verdict CheckFences(const Candidate& c, const NewFences& fences);
   bool Crosses(const NewEdge& edge, const SourcePoint& from, const SourcePoint& to, int side, FrontEdgeId fence);
-  Verdict CheckSurroundings(const Candidate& c, const Strictness& strictness);
+  Verdict CheckSurroundings(const Candidate& c, const NewFences& fences, const Strictness& strictness);
   bool StandsForSurface(const Candidate& c, double tolerance);
   double SearchRadius(FrontEdgeId edge, const Strictness& strictness) const;
 

@@ -395,6 +395,13 @@ class RoughSphere : public SphereSurface {
     return SphereSurface::FindApex(a, b, ra, rb);
   }
   bool Covers(const Vec3& x) const { return Distance(x, place_) < radius_; }
+  bool LeansAt(const Vec3& x) const { return Distance(x, place_) < 1.5 * radius_; }
+  // Its normals lean there and next to it: an ear that they agree with would stand for it unasked.
+  SourcePoint Project(const Vec3& x, uint32_t patch) const override {
+    SourcePoint p = SphereSurface::Project(x, patch);
+    if (LeansAt(p.position)) p.normal = Normalized(p.normal + 0.6 * Normalized(Cross(p.normal, Vec3{1, 0, 0})));
+    return p;
+  }
   SourcePoint Snap(const SourcePoint& start, const Vec3& target) const override {
     SourcePoint x = SphereSurface::Snap(start, target);
     // What lies between the corners of a long triangle finds its way to the surface lost, to its other side.
@@ -471,11 +478,18 @@ TEST(AdvanceFront, ClosesWhatItCanOfALoopThatItCannotCloseElsewhere) {
         : hopeless_({0, 0, -1}, 0.7, 1e-6), mendable_(mendable, 0.25, 0.85 * kLength) {}
     std::optional<SourcePoint> FindApex(const SourcePoint& a, const SourcePoint& b, double ra,
                                         double rb) const override {
-      return hopeless_.Covers(a.position) ? hopeless_.FindApex(a, b, ra, rb) : mendable_.FindApex(a, b, ra, rb);
+      const RoughSphere& here = hopeless_.Covers(a.position) ? hopeless_ : mendable_;
+      const std::optional<SourcePoint> apex = here.FindApex(a, b, ra, rb);
+      return apex ? std::optional(Project(apex->position, apex->patch)) : std::nullopt;
+    }
+    SourcePoint Project(const Vec3& x, uint32_t patch) const override {
+      return (hopeless_.LeansAt(x) ? hopeless_ : mendable_).Project(x, patch);
     }
     SourcePoint Snap(const SourcePoint& start, const Vec3& target) const override {
       const SourcePoint x = hopeless_.Snap(start, target);
-      return Dot(x.normal, start.normal) < 0 ? x : mendable_.Snap(start, target);
+      if (Dot(x.normal, start.normal) < 0) return x;
+      const SourcePoint y = mendable_.Snap(start, target);
+      return Dot(y.normal, start.normal) < 0 ? y : Project(y.position, y.patch);
     }
 
    private:
@@ -538,7 +552,7 @@ TEST(AdvanceFront, InsertsNoMoreVerticesThanItMay) {
   const auto none = static_cast<double>(AdvanceWithInsertions(0.1, 3e-4, 0).triangles);
   const auto some = static_cast<double>(AdvanceWithInsertions(0.1, 3e-4, 60).triangles);
   EXPECT_GT(some, none + 60);
-  EXPECT_LT(some, none + 180) << "two triangles a vertex";
+  EXPECT_LE(some, none + 180) << "two triangles a vertex, and half as many again where they are off by far";
 }
 
 // How far it goes with that is what it tells of triangles that it does not tell apart.
