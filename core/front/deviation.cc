@@ -28,8 +28,9 @@ namespace meshfront {
 namespace {
 
 constexpr size_t kMaxParts = 2000, kMaxPartsOfUncertain = 40;
-// What seems near: seven places up to this part of the bound, and the normal agrees so well with the surface's at its corners.
-constexpr double kSeemsNear = 0.45, kSeemsToAgree = 0.9;
+// What seems near: seven places up to this part of the bound, or four up to the next one where the surface bends less over the sides
+// than the third; and the normal agrees so well with the surface's at its corners.
+constexpr double kSeemsNear = 0.65, kSeemsNearAtFour = 0.4, kSeemsStraight = 0.35, kSeemsToAgree = 0.6;
 constexpr int kMinHalvings = 3, kMaxHalvings = 7;
 // How much more than at its corners the distance may be inside a part, in bends over its parent's sides. A smooth surface bends over
 // half a side by a quarter of what it bends over the whole, a ridge by half at most.
@@ -46,6 +47,11 @@ double BendOver(const PlaceAndFoot& from, const PlaceAndFoot& to, const PlaceAnd
   return Distance(0.5 * (from.foot.position + to.foot.position), middle.foot.position);
 }
 
+// How far the middle of a side would be from a surface that bends evenly between the normals at its ends.
+double SagittaOver(const PlaceAndFoot& from, const PlaceAndFoot& to) {
+  return std::abs(Dot(to.foot.normal - from.foot.normal, to.place - from.place)) / 8;
+}
+
 }  // namespace
 
 void DeviationMeter::Note(const PlaceAndFoot& at) {
@@ -54,23 +60,27 @@ void DeviationMeter::Note(const PlaceAndFoot& at) {
   if (gap > bound_) found_.is_kept = false;
 }
 
-bool DeviationMeter::SeemsNear(const std::array<PlaceAndFoot, 3>& c, const TriangleFeet* feet) const {
+bool DeviationMeter::SeemsNear(const std::array<PlaceAndFoot, 3>& c, const Vec3* centroid_foot) const {
   const double near2 = kSeemsNear * kSeemsNear * bound_ * bound_;
   const Vec3 area = AreaVector(c[0].place, c[1].place, c[2].place);
   const double least = kSeemsToAgree * Norm(area);
-  for (const PlaceAndFoot& at : c) {
-    if (!(SquaredDistance(at.place, at.foot.position) <= near2 && Dot(at.foot.normal, area) >= least)) return false;
+  double farthest2 = 0, bend = -1;
+  int bent = 0;  // the side over which it bends most
+  for (int i = 0; i < 3; ++i) {
+    const PlaceAndFoot &at = c[i], &next = c[i == 2 ? 0 : i + 1];
+    farthest2 = std::max(farthest2, SquaredDistance(at.place, at.foot.position));
+    const double sagitta = SagittaOver(at, next);
+    if (sagitta > bend) bend = sagitta, bent = i;
+    if (!(farthest2 <= near2 && Dot(at.foot.normal, area) >= least)) return false;
   }
   const Vec3 centroid = (c[0].place + c[1].place + c[2].place) / 3.0;
-  SourcePoint start;
-  if (!feet) start = surface_.Foot(c[0].foot, centroid);
-  if (!(SquaredDistance(centroid, feet ? feet->centroid : start.position) <= near2)) return false;
-  for (int side = 0; side < 3; ++side) {
-    const Vec3 middle = 0.5 * (c[side].place + c[(side + 1) % 3].place);
-    const Vec3 foot = feet ? feet->middle[side] : surface_.Foot(start, middle).position;
-    if (!(SquaredDistance(middle, foot) <= near2)) return false;
-  }
-  return true;
+  const Vec3 foot = centroid_foot ? *centroid_foot : surface_.Foot(c[0].foot, centroid).position;
+  farthest2 = std::max(farthest2, SquaredDistance(centroid, foot));
+  if (!(farthest2 <= near2)) return false;
+  if (farthest2 <= kSeemsNearAtFour * kSeemsNearAtFour * bound_ * bound_ && bend <= kSeemsStraight * bound_)
+    return true;
+  const Vec3 middle = 0.5 * (c[bent].place + c[(bent + 1) % 3].place);
+  return SquaredDistance(middle, surface_.Foot(c[bent].foot, middle).position) <= near2;
 }
 
 Deviation DeviationMeter::Measure(const std::array<PlaceAndFoot, 3>& corners) {

@@ -27,11 +27,6 @@ struct Deviation {
   bool is_of_detail = false;  // the worst is a place of the surface that is far from all triangles around
 };
 
-// The places of the surface closest to a triangle's centroid and to the middles of its sides, about.
-struct TriangleFeet {
-  Vec3 centroid, middle[3];
-};
-
 // Measures triangles against one bound. Scratch inside: one for each thread.
 class DeviationMeter {
  public:
@@ -39,9 +34,10 @@ class DeviationMeter {
   DeviationMeter(const Surface& surface, double bound, bool certain = true)
       : surface_(surface), bound_(bound), certain_(certain) {}
 
-  // Whether a triangle seems to keep the bound by far: its corners, its centroid and the middles of its sides are near, and it does not
-  // bend away from the surface. True of most triangles, and wrong of one in some thousands. `feet`: else they are walked to.
-  bool SeemsNear(const std::array<PlaceAndFoot, 3>& corners, const TriangleFeet* feet) const;
+  // Whether a triangle seems to keep the bound by far: its corners, its centroid and, unless these are so near that the surface's bend
+  // between them tells enough, the middles of its sides are near, and it does not turn away from the surface. True of most triangles, and
+  // wrong of one in some hundreds of those that are near the bound. `centroid_foot`: else it is walked to.
+  bool SeemsNear(const std::array<PlaceAndFoot, 3>& corners, const Vec3* centroid_foot) const;
 
   // Whether a triangle stays within the bound of the surface. The feet of the corners are starting points of walks, on the surface
   // next to the corners, and need not be closest.

@@ -20,7 +20,7 @@ class InsertionBudget {
   // triangles.
   size_t Left(uint64_t used, uint64_t triangles, double excess) const {
     constexpr double kAny = 1e9;
-    double due = (excess < kNearExcess ? kNearPart : 1) * most_;
+    double due = (excess < kNearExcess ? kNearPart : excess < kWorstExcess ? 1 : kWorstPart) * most_;
     if (predicted_triangles_ > 0) {
       const double covered = std::min(1.0, static_cast<double>(triangles) / predicted_triangles_);
       due *= covered + kAhead * (1 - covered);
@@ -30,6 +30,8 @@ class InsertionBudget {
 
  private:
   static constexpr double kNearExcess = 1.25, kNearPart = 0.6;  // less far off, that part of all
+  // Farther off, that part: such places are few, and the one that is left out makes the maximum.
+  static constexpr double kWorstExcess = 1.9, kWorstPart = 1.5;
   static constexpr double kAhead = 0.25;  // of all, from the beginning on: the places that need them come in clusters
 
   double most_, predicted_triangles_;

@@ -85,9 +85,9 @@ std::array<PlaceAndFoot, 3> Refinement::PlacesOf(const Corners& corners) const {
   return places;
 }
 
-bool Refinement::NeedNotBeMeasured(WindowTriangleId id, const TriangleFeet& feet) {
+bool Refinement::NeedNotBeMeasured(WindowTriangleId id, const Vec3& centroid_foot) {
   WindowTriangle& t = fronts_.at(id);
-  if (certain_ || !meter_.SeemsNear(PlacesOf(t.corners), &feet)) return false;
+  if (certain_ || !meter_.SeemsNear(PlacesOf(t.corners), &centroid_foot)) return false;
   t.deviation = 0;
   return true;
 }

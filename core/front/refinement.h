@@ -35,7 +35,7 @@ class Refinement {
         meter_(surface, first_bound_, certain) {}
 
   // Whether a triangle need not be measured; if so, writes down that it keeps the bound. Never where that is to be shown.
-  bool NeedNotBeMeasured(WindowTriangleId t, const TriangleFeet& feet);
+  bool NeedNotBeMeasured(WindowTriangleId t, const Vec3& centroid_foot);
   // Measures how far triangle and surface are apart, both ways, and writes it down at the triangle.
   Deviation Measure(WindowTriangleId t);
   // Writes down of a triangle that is beyond the bound what it is certainly within, about to a twentieth. How much it is below `known` is

@@ -25,15 +25,18 @@ namespace {
 constexpr uint32_t kFar = 0xffffu;
 constexpr double kMinFlipNormalCosine = 0.5;  // new triangles against the surface normals at their corners
 constexpr double kMinFlipGain = 1.02 * 1.02;  // the smaller sine's square must grow by this factor: no ping-pong
+constexpr double kRoundSineSquared = 0.45;    // of 42°: nothing that turns between such triangles is worth it
 constexpr double kNeedleSineSquared = 1e-5;   // below it a ratio is left to RadiusRatio, which knows needles
 constexpr double kNoFloor = -std::numeric_limits<double>::infinity();
 constexpr double kMinMoveNormalCosine = 0.3;
-constexpr double kSearchBelow = 0.875;                // radius ratio under which a vertex is worth a search
+constexpr double kLeastSmoothing = 0.02;             // in parts of an edge around: less is not worth a look
+constexpr double kSearchBelow = 0.875;               // radius ratio under which a vertex is worth a search
 constexpr double kSearchSteps[] = {0.2, 0.1, 0.05};  // in parts of the mean spoke
 constexpr int kImproveSweeps = 2, kSearchSweeps = 4, kFitSweeps = 2;
 constexpr double kMaxFitPerLength = 0.15;  // the fit moves a vertex by at most this part of its mean spoke
 constexpr double kFitPerErrorBound = 0.9;  // … and at most this part of the error bound of the triangles around it
 constexpr double kFitMayLoseQuality = 0.97;
+constexpr double kSlightFit = 0.02;  // of the mean spoke: so short a move along the normal loses less than that
 constexpr int kMovedRounds = 8, kPlainRounds = 4,
               kLastRounds = 4;  // of the refinement; each reaches every triangle once
 // Of max_error, where only what is far beyond it is refined. At 1 the maximum is the same and triangles are less round, since a few
@@ -86,6 +89,12 @@ struct Side {
   Vec3 vector;
   double squared, length;
 };
+
+// Whether a triangle turns against a normal. `area2`: the square of its area vector.
+inline bool FacesAgainst(const Vec3& area, double area2, const Vec3& normal) {
+  const double facing = Dot(area, normal);
+  return facing < 0 || facing * facing < kMinMoveNormalCosine * kMinMoveNormalCosine * area2;
+}
 
 // What WorstAround takes the least of. `area2`: the square of twice the area.
 constexpr auto kMinSine = [](const Vec3&, const auto& spoke, const Side& from, const Side& to, double area2) {
@@ -205,6 +214,7 @@ void SettlingWindow::FlipSweep() {
       const Link across = fronts_.at(t).across[side];
       if (!across.is_half_edge() || across.triangle() < t || !IsAround(across.triangle())) continue;
       if (changed_[t.index()] < since && changed_[across.triangle().index()] < since) continue;
+      if (std::min(sines_[t.index()], sines_[across.triangle().index()]) >= kRoundSineSquared) continue;
       if (TryFlip(Link::HalfEdge(t, side))) ++counts_.flips;
     }
   }
@@ -231,8 +241,8 @@ double SettlingWindow::WorstAround(const Vec3& place, const Vec3& normal, Measur
   for (const Spoke& s : ring_) {
     const Side to(s.to - place);
     const Vec3 area = Cross(from.vector, to.vector);
-    const double area2 = SquaredNorm(area), facing = Dot(area, normal);
-    if (facing < 0 || facing * facing < kMinMoveNormalCosine * kMinMoveNormalCosine * area2) return -1;
+    const double area2 = SquaredNorm(area);
+    if (FacesAgainst(area, area2, normal)) return -1;
     worst = std::min(worst, measure(place, s, from, to, area2));
     if (worst < floor) break;
     from = to;
@@ -259,17 +269,26 @@ void SettlingWindow::SmoothSweep() {
     WindowVertex& v = fronts_.at(id);
     if (!v.alive || !GatherRing(id)) continue;
     Vec3 sum;
-    double weights = 0;
+    double weights = 0, worst = std::numeric_limits<double>::infinity();
+    Side from(ring_.front().from - v.position);
     for (const Spoke& s : ring_) {
-      if (s.opposite2 <= 0) continue;
-      const double w = Norm(AreaVector(v.position, s.from, s.to)) / s.opposite2;
-      sum += w / 3 * (v.position + s.from + s.to);
-      weights += w;
+      const Side to(s.to - v.position);
+      const Vec3 area = Cross(from.vector, to.vector);
+      const double area2 = SquaredNorm(area);
+      worst =
+          FacesAgainst(area, area2, v.source.normal) ? -1 : std::min(worst, kMinSine(v.position, s, from, to, area2));
+      if (s.opposite2 > 0) {
+        const double w = std::sqrt(area2) / s.opposite2;
+        sum += w / 3 * (from.vector + to.vector);
+        weights += w;
+      }
+      from = to;
     }
     if (weights <= 0) continue;
-    const Vec3 offset = sum / weights - v.position;
-    double worst = WorstAround(v.position, v.source.normal, kMinSine, kNoFloor);
-    TryMove(id, v.position + offset - Dot(offset, v.source.normal) * v.source.normal, kMinSine, worst);
+    Vec3 offset = sum / weights;
+    offset = offset - Dot(offset, v.source.normal) * v.source.normal;
+    if (SquaredNorm(offset) < kLeastSmoothing * kLeastSmoothing * ring_.front().opposite2) continue;
+    TryMove(id, v.position + offset, kMinSine, worst);
   }
 }
 
@@ -384,27 +403,22 @@ bool SettlingWindow::FillRing(const std::vector<WindowVertexId>& ring, double le
   return true;
 }
 
-// Before the first sweep of the fit: it moves places along the normal by a fraction of an edge, which hardly moves their feet.
+// Of the centroids, before the first sweep of the fit: it moves places along the normal by a fraction of an edge, which hardly moves
+// their feet.
 void SettlingWindow::FindFeet() {
   feet_.resize(around_.size());
   for (uint32_t i = 0; i < around_.size(); ++i) {
     const WindowTriangle& t = fronts_.at(around_[i]);
     if (!t.alive) continue;
     const WindowVertex* v[3] = {&fronts_.at(t.corners[0]), &fronts_.at(t.corners[1]), &fronts_.at(t.corners[2])};
-    const SourcePoint middle = surface_.Foot(v[0]->source, (v[0]->position + v[1]->position + v[2]->position) / 3.0);
-    feet_[i].centroid = middle.position;
-    for (int side = 0; side < 3; ++side) {
-      const Link across = t.across[side];
-      const uint32_t other = across.is_half_edge() ? place_in_around_[across.triangle().index()] : kNotAround;
-      feet_[i].middle[side] =
-          other < i ? feet_[other].middle[across.side()]
-                    : surface_.Foot(middle, 0.5 * (v[side]->position + v[(side + 1) % 3]->position)).position;
-    }
+    const Vec3 centroid = (v[0]->position + v[1]->position + v[2]->position) / 3.0;
+    feet_[i] = surface_.Foot(v[0]->source, centroid).position;
   }
 }
 
-// The shift along the normal that makes the surface's signed deviations from the triangles around least in the mean square, by a
-// seven-point rule on each triangle (vertices 1/20, edge middles 2/15, centroid 9/20 of its area).
+// The shift along the normal that makes the surface's signed deviations from the triangles around least in the mean square, by the
+// rule for squares that takes the corners (1/12 of each triangle's area) and the centroid (3/4). The middles of the sides tell hardly
+// more, and cost three times the walks.
 void SettlingWindow::FitVertex(WindowVertexId id) {
   WindowVertex& v = fronts_.at(id);
   const Vec3 n = v.source.normal;
@@ -421,18 +435,19 @@ void SettlingWindow::FitVertex(WindowVertexId id) {
     total_area += area;
     least_edge2 = std::min(least_edge2, std::max({s.opposite2, from.squared, to.squared}));
     spoke += from.length / static_cast<double>(ring_.size());
-    const TriangleFeet& feet = feet_[place_in_around_[s.triangle.index()]];
-    sample((v.position + s.from + s.to) / 3.0, feet.centroid, 0.45 * area, 1.0 / 3);
-    sample(0.5 * (v.position + s.from), feet.middle[s.corner], 2 * area * (2.0 / 15), 0.5);
+    sample((v.position + s.from + s.to) / 3.0, feet_[place_in_around_[s.triangle.index()]], 0.75 * area, 1.0 / 3);
     from = to;
   }
-  numerator += 0.05 * total_area * Dot(v.source.position - v.position, n);
-  denominator += 0.05 * total_area;
+  sample(v.position, v.source.position, total_area / 12, 1);
   if (!(denominator > 0)) return;
   const double offset = Dot(v.position - v.source.position, n) + numerator / denominator;
   const double bound = std::min(options_.max_error, options_.error_per_length * std::sqrt(least_edge2));
   const double limit = std::min(kMaxFitPerLength * spoke, kFitPerErrorBound * bound);
   const Vec3 target = v.source.position + std::clamp(offset, -limit, limit) * n;
+  if (SquaredDistance(target, v.position) <= kSlightFit * kSlightFit * spoke * spoke) {
+    v.position = target;
+    return;
+  }
   const double floor = kFitMayLoseQuality * WorstAround(v.position, n, kRadiusRatio, kNoFloor);
   const double after = WorstAround(target, n, kRadiusRatio, floor);
   if (after >= floor && after >= 0) v.position = target;

@@ -25,7 +25,8 @@ struct SettlingOptions {
   // … nor farther than that, absolute; triangles that are farther from the surface are refined, …
   double max_error = std::numeric_limits<double>::infinity();
   double min_edge = 0;  // … unless their edges become shorter than that, …
-  // … or more vertices than so many, the worst first. Where that is finite only those far beyond max_error are: they make the maximum.
+  // … or more vertices than so many, and half as many again for what is farthest off, the worst first. Where that is finite only those
+  // far beyond max_error are: they make the maximum.
   double max_insertions = std::numeric_limits<double>::infinity();
   double predicted_triangles = 0;  // over which max_insertions are spread
   bool wedges = false;             // pieces say where on the surface their corners were made
@@ -154,7 +155,7 @@ class SettlingWindow {
   std::vector<Spoke> ring_;
   std::vector<WindowVertexId> chosen_;     // what this call of Improve moves, by id
   std::vector<WindowTriangleId> around_;   // the triangles that have a chosen corner, by id
-  std::vector<TriangleFeet> feet_;         // of around_, which the fit compares with; else empty
+  std::vector<Vec3> feet_;                 // of the centroids of around_, which the fit compares with; else empty
   std::vector<uint32_t> place_in_around_;  // of every triangle slot
   // What the sweeps of one Improve need not look at again. The clock counts sweeps of flips and removals.
   uint32_t clock_ = 0, last_flips_ = 0, last_removals_ = 0;

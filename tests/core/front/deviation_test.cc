@@ -47,36 +47,62 @@ TEST(Deviation, OfATriangleInASphereIsThatOfItsMiddle) {
   }
 }
 
-// What is off by a third of the bound needs no measure, what is off by two thirds or bends away does, walked to or told.
-TEST(Deviation, SeemsSmallWhereSevenPlacesAreNearAndNormalsAgree) {
+// A triangle inscribed in a sphere, whose centroid is off by as much as it is high, and the middles of its sides by three quarters.
+std::array<PlaceAndFoot, 3> InscribedOnTop(const SphereSurface& sphere, double radius) {
+  std::array<PlaceAndFoot, 3> corners;
+  for (int i = 0; i < 3; ++i) {
+    const double angle = 2 * i * 3.141592653589793 / 3;
+    const Vec3 place{radius * std::cos(angle), radius * std::sin(angle), std::sqrt(1 - radius * radius)};
+    corners[i] = {place, sphere.Project(place, 0)};
+  }
+  return corners;
+}
+
+// What is off by half of the bound needs no measure, what is off by two thirds or turns away does, walked to or told.
+TEST(Deviation, SeemsSmallWherePlacesAreNearAndNormalsAgree) {
   const SphereSurface sphere;
-  const auto on_sphere = [&](double radius) {
-    std::array<PlaceAndFoot, 3> corners;
-    for (int i = 0; i < 3; ++i) {
-      const double angle = 2 * i * 3.141592653589793 / 3;
-      const Vec3 place{radius * std::cos(angle), radius * std::sin(angle), std::sqrt(1 - radius * radius)};
-      corners[i] = {place, sphere.Project(place, 0)};
+  const std::array<PlaceAndFoot, 3> flat = InscribedOnTop(sphere, 0.2), bent = InscribedOnTop(sphere, 0.9);
+  const double off = 1 - std::sqrt(1 - 0.2 * 0.2);
+  const Vec3 top{0, 0, 1}, far_top{0, 0, 1 + 2 * off};
+  const DeviationMeter wide(sphere, 2 * off), narrow(sphere, 1.5 * off), huge(sphere, 10);
+  for (const Vec3* foot : {static_cast<const Vec3*>(nullptr), &top}) {
+    EXPECT_TRUE(wide.SeemsNear(flat, foot));
+    EXPECT_FALSE(narrow.SeemsNear(flat, foot));
+    EXPECT_FALSE(huge.SeemsNear(bent, foot)) << "64° between the triangle and the sphere at its corners";
+  }
+  EXPECT_FALSE(wide.SeemsNear(flat, &far_top));
+}
+
+// A sphere that has a bump over one side of the triangle.
+class BumpySphere : public SphereSurface {
+ public:
+  mutable int asked = 0;
+  SourcePoint Foot(const SourcePoint& start, const Vec3& target) const override {
+    ++asked;
+    SourcePoint foot = Snap(start, target);
+    if (target.y > 0.05) foot.position += 0.1 * foot.normal;
+    return foot;
+  }
+};
+
+// The middle of the side over which normals bend most is looked at, unless all is so near that it needs no look.
+TEST(Deviation, LooksAtTheMiddleOfASideWhereItMayBeFar) {
+  const BumpySphere sphere;
+  const std::array<PlaceAndFoot, 3> corners = InscribedOnTop(sphere, 0.2);
+  const double off = 1 - std::sqrt(1 - 0.2 * 0.2);
+  const Vec3 top{0, 0, 1};
+  EXPECT_TRUE(DeviationMeter(sphere, 4 * off).SeemsNear(corners, &top));
+  EXPECT_EQ(sphere.asked, 0);
+  for (const int side : {0, 1}) {  // the bump is over the first
+    std::array<PlaceAndFoot, 3> bent = corners;
+    for (const int end : {side, side + 1}) {
+      const Vec3 outwards{corners[end].place.x, corners[end].place.y, 0};
+      bent[end].foot.normal = Normalized(bent[end].foot.normal + 0.1 * outwards);
     }
-    return corners;
-  };
-  const auto feet_of = [&](const std::array<PlaceAndFoot, 3>& c) {
-    TriangleFeet feet{sphere.Project((c[0].place + c[1].place + c[2].place) / 3.0, 0).position, {}};
-    for (int i = 0; i < 3; ++i) feet.middle[i] = sphere.Project(0.5 * (c[i].place + c[(i + 1) % 3].place), 0).position;
-    return feet;
-  };
-  const std::array<PlaceAndFoot, 3> flat = on_sphere(0.2), bent = on_sphere(0.6);
-  const double off_flat = 1 - std::sqrt(1 - 0.2 * 0.2);
-  const TriangleFeet feet = feet_of(flat), bent_feet = feet_of(bent);
-  TriangleFeet far_middle = feet, far_centroid = feet;
-  far_middle.middle[1].z += off_flat, far_centroid.centroid.z += off_flat;
-  const DeviationMeter wide(sphere, 3 * off_flat), narrow(sphere, 1.5 * off_flat), huge(sphere, 10);
-  EXPECT_TRUE(wide.SeemsNear(flat, nullptr));
-  EXPECT_TRUE(wide.SeemsNear(flat, &feet));
-  EXPECT_FALSE(wide.SeemsNear(flat, &far_middle));
-  EXPECT_FALSE(wide.SeemsNear(flat, &far_centroid));
-  EXPECT_FALSE(narrow.SeemsNear(flat, nullptr));
-  EXPECT_FALSE(narrow.SeemsNear(flat, &feet));
-  EXPECT_FALSE(huge.SeemsNear(bent, &bent_feet)) << "37° between the triangle and the sphere at its corners";
+    sphere.asked = 0;
+    EXPECT_EQ(DeviationMeter(sphere, 2 * off).SeemsNear(bent, &top), side == 1);
+    EXPECT_EQ(sphere.asked, 1);
+  }
 }
 
 TEST(Deviation, OfCornersCounts) {

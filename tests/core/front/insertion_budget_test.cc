@@ -7,7 +7,7 @@
 namespace meshfront {
 namespace {
 
-constexpr double kFar = 2, kNear = 1.1;
+constexpr double kWorst = 2.5, kFar = 1.5, kNear = 1.1;
 
 TEST(InsertionBudget, KeepsSomeForWhatComesLast) {
   const InsertionBudget budget(100, 1000);
@@ -24,6 +24,8 @@ TEST(InsertionBudget, KeepsSomeForWhatIsFartherOff) {
   EXPECT_EQ(budget.Left(60, 1000, kNear), 0u);
   EXPECT_EQ(budget.Left(60, 1000, kFar), 40u);
   EXPECT_EQ(budget.Left(120, 1000, kFar), 0u);
+  EXPECT_EQ(budget.Left(120, 1000, kWorst), 30u) << "one that is left out makes the maximum";
+  EXPECT_EQ(budget.Left(150, 1000, kWorst), 0u);
 }
 
 TEST(InsertionBudget, HasNoEndWhereNoCountIsWanted) {
