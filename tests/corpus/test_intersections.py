@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 """Pairs of faces whose meeting is known."""
+import math
 import pathlib
 import struct
 import tempfile
 import unittest
+from unittest import mock
 
 import intersections as at
 
@@ -58,6 +60,29 @@ class Intersections(unittest.TestCase):
         for x, y in ((0.5, 0.5), (1.3, 1.2), (3, 0.5), (0, 0)):
             self.assertAlmostEqual(0.25, near.distance((x, y, 0.25)))
         self.assertAlmostEqual(1.0, near.distance((1, -1, 0)))
+
+    def test_of_a_row_of_meetings_only_the_near_ones_are_looked_at(self):
+        far_apart = [[(x, 1, -1), (x, 1, 1), (x, 2, 1)] for x in range(0, 200, 2)]
+        near = at.NearestMeeting(mesh([(-9, 0, 0), (300, 0, 0), (0, 99, 0)], *far_apart), reach=150.0)
+        self.assertAlmostEqual(0.25, near.distance((100, 1, 0.25)))
+        self.assertLessEqual(len(near.parts), 3)
+        self.assertAlmostEqual(50.0, near.distance((99, 1, -math.sqrt(50 ** 2 - 1))))
+
+    def test_faces_beside_the_plane_of_another_are_not_looked_at_edge_by_edge(self):
+        hill = [[(0, 0, 1), (math.cos(k), math.sin(k), 0), (math.cos(k + 1), math.sin(k + 1), 0)] for k in range(6)]
+        with mock.patch.object(at, "segment_meets") as looked:
+            self.assertEqual([], at.pairs_of(mesh(*hill)))
+        looked.assert_not_called()
+
+    def test_whole_numbers_decide_where_floating_point_does_not(self):
+        a, b, c = (0.1, 0.2, 0.3), (0.3, 0.1, 0.7), (0.2, 0.9, 0.4)
+        self.assertEqual(0, at.side(a, b, c, b))
+        tiny = 5e-324
+        self.assertEqual(-at.side((0, 0, 0), (1, 0, 0), (0, 1, 0), (0.3, 0.3, tiny)),
+                         at.side((0, 0, 0), (1, 0, 0), (0, 1, 0), (0.3, 0.3, -tiny)))
+        self.assertNotEqual(0, at.side((0, 0, 0), (1, 0, 0), (0, 1, 0), (0.3, 0.3, tiny)))
+        points = at.whole((0.5, 0.25, 3.0), (1.0, 0.0, -0.125))
+        self.assertEqual([(4, 2, 24), (8, 0, -1)], points)
 
     def test_a_written_mesh_is_read_and_its_equal_positions_are_one(self):
         header = ("ply\nformat binary_little_endian 1.0\ncomment Meshfront\nelement vertex 4\nproperty double x\nproperty double y\n"
