@@ -203,12 +203,21 @@ class Exchange {
       const uint32_t c = mixed_.component[f.index()], d = mixed_.component[g.index()];
       if (is_own_[c] && is_own_[d]) continue;
       const Corners a = CornersOf(mixed_, f.index()), b = CornersOf(mixed_, g.index());
-      if (surface_.MeetsItselfNear(PlaceOfMeeting(a.at, b.at), options_.bound, context)) continue;
+      if (MayMeet(a, b, context)) continue;
       is_own_[c] = is_own_[d] = true;
       is_done = false;
     }
     MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
     return is_done;
+  }
+
+  // Whether the surface's faces meet within the bound of all that these have in common. Its seams don't count: beside faces of its own
+  // the vertices on a seam are others.
+  bool MayMeet(const Corners& a, const Corners& b, const Context& context) const {
+    const Vec3 place = PlaceOfMeeting(a.at, b.at);
+    const std::array<Vec3, 2> ends = CommonStretch(a.at, b.at).value_or(std::array{place, place});
+    return std::all_of(ends.begin(), ends.end(),
+                       [&](const Vec3& end) { return surface_.DoFacesMeetNear(end, options_.bound, context); });
   }
 
   PartlyOwn Result() const {

@@ -33,8 +33,8 @@ struct OwnFacesOptions {
 
 // Puts the surface's own faces, as they were before it was cut, in the place of every component of the output whose components, boundary
 // loops or genus are not those of the surface's, which is no oriented manifold, has a triangle without area, or meets itself or another
-// where the surface does not within the bound, and of every one that is said to be wrong. What is left meets nothing else, since the surface
-// itself doesn't. Vertices of the pieces have for a sheet the component before the cut (MeshSurface::WholeComponentOf). Cancelled or
+// farther than the bound from where the surface's faces do, be it at one of the surface's seams, and of every one that is said to be
+// wrong. What is left meets nothing else, since the surface itself doesn't. Vertices of the pieces have for a sheet the component before the cut (MeshSurface::WholeComponentOf). Cancelled or
 // DeadlineExceeded. O(n log n) a round, of which there is one more than components that touch one another in a row, and 8 at most.
 absl::StatusOr<PartlyOwn> PutOwnFacesIn(const std::vector<HeldPiece>& pieces, const MeshSurface& surface,
                                         const OwnFacesOptions& options, const Context& context);

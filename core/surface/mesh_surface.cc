@@ -246,7 +246,7 @@ double MeshSurface::DistanceToPieceOf(const SourcePoint& p, const Vec3& place) c
   return std::sqrt(ClosestOnFace(View(), FaceOf(p), place).squared_distance);
 }
 
-bool MeshSurface::MeetsItselfNear(const Vec3& place, double radius, const Context& context) const {
+const SelfMeetings& MeshSurface::MeetingsFound(const Context& context) const {
   std::call_once(meetings_once_, [this, &context] {
     std::vector<std::array<Vec3, 2>> rims;
     for (uint32_t h = 0; h < 3 * mesh_.triangles.size(); ++h) {
@@ -255,7 +255,15 @@ bool MeshSurface::MeetsItselfNear(const Vec3& place, double radius, const Contex
     }
     meetings_ = std::make_unique<SelfMeetings>(mesh_, rims, context);
   });
-  return meetings_->IsAnyWithin(place, radius);
+  return *meetings_;
+}
+
+bool MeshSurface::MeetsItselfNear(const Vec3& place, double radius, const Context& context) const {
+  return MeetingsFound(context).IsAnyWithin(place, radius);
+}
+
+bool MeshSurface::DoFacesMeetNear(const Vec3& place, double radius, const Context& context) const {
+  return MeetingsFound(context).DoFacesMeetWithin(place, radius);
 }
 
 bool MeshSurface::IsOnBoundary(const SourcePoint& p) const {

@@ -157,10 +157,13 @@ class MeshSurface final : public Surface {
   double DistanceToPieceOf(const SourcePoint& p, const Vec3& place) const override;
   // Finds all places where it does at the first call, as long as the index takes; then fast.
   bool MeetsItselfNear(const Vec3& place, double radius, const Context& context) const override;
+  // The same but for seams, at which sheets were parted that had an edge in common: where both are made they have the same vertices there.
+  bool DoFacesMeetNear(const Vec3& place, double radius, const Context& context) const;
 
  private:
   MeshSurface(TriangleMesh mesh, FaceAdjacency adjacency);
   FaceView View() const;
+  const SelfMeetings& MeetingsFound(const Context& context) const;
   void MeasureWholeComponents();
   absl::StatusOr<std::vector<double>> SheetDistancesInWhole(absl::Span<const double> limits,
                                                             const Context& context) const;

@@ -42,7 +42,7 @@ void SelfMeetings::AddMeetings(const TriangleMesh& mesh, const Context& context)
   for (const auto& [f, g] : found->first_pairs) {
     const auto corner = [&](FaceId face, int i) { return mesh.PositionAt(mesh.triangles[face.index()][i]); };
     const Vec3 a[3] = {corner(f, 0), corner(f, 1), corner(f, 2)}, b[3] = {corner(g, 0), corner(g, 1), corner(g, 2)};
-    meetings_.push_back({{a[0], a[1], a[2]}, {b[0], b[1], b[2]}, CommonStretch(a, b)});
+    meetings_.push_back({{a[0], a[1], a[2]}, {b[0], b[1], b[2]}, CommonStretch(a, b), false});
   }
 }
 
@@ -52,17 +52,24 @@ void SelfMeetings::AddSeams(absl::Span<const std::array<Vec3, 2>> rims) {
     const std::array<double, 3> p = {from.x, from.y, from.z}, q = {to.x, to.y, to.z};
     const auto& [low, high] = std::minmax(p, q);
     if (seen.insert({low[0], low[1], low[2], high[0], high[1], high[2]}).second) continue;
-    meetings_.push_back({{}, {}, std::array{from, to}});
+    meetings_.push_back({{}, {}, std::array{from, to}, true});
   }
 }
 
-bool SelfMeetings::IsAnyWithin(const Vec3& place, double radius) const {
+bool SelfMeetings::IsAnyWithin(const Vec3& place, double radius) const { return IsAnyWithin(place, radius, true); }
+
+bool SelfMeetings::DoFacesMeetWithin(const Vec3& place, double radius) const {
+  return IsAnyWithin(place, radius, false);
+}
+
+bool SelfMeetings::IsAnyWithin(const Vec3& place, double radius, bool counts_seams) const {
   if (!is_complete_) return true;
   if (tree_ == nullptr) return false;
   bool is_any = false;
   const Vec3 reach{radius, radius, radius};
   tree_->VisitOverlaps({place - reach, place + reach}, [&](FaceId i) {
     const Meeting& m = meetings_[i.index()];
+    if (m.is_seam && !counts_seams) return true;
     is_any = m.stretch ? DistanceToSegment(place, (*m.stretch)[0], (*m.stretch)[1]) <= radius
                        : IsWithin(place, radius, m.a) && IsWithin(place, radius, m.b);
     return !is_any;

@@ -24,13 +24,17 @@ class SelfMeetings {
   // Whether two faces meet within `radius` of a place. O(log of their number) where they are few. Yes everywhere when the context stopped
   // the search, or more than 200,000 pairs meet: a mesh that is more knot than surface.
   bool IsAnyWithin(const Vec3& place, double radius) const;
+  // The same without seams: there each face ends, and none passes through another.
+  bool DoFacesMeetWithin(const Vec3& place, double radius) const;
 
  private:
   void AddMeetings(const TriangleMesh& mesh, const Context& context);
   void AddSeams(absl::Span<const std::array<Vec3, 2>> rims);
+  bool IsAnyWithin(const Vec3& place, double radius, bool counts_seams) const;
   struct Meeting {
     std::array<Vec3, 3> a, b;
     std::optional<std::array<Vec3, 2>> stretch;  // none: they only touch, or lie in one plane
+    bool is_seam = false;
   };
   bool is_complete_ = false;
   std::vector<Meeting> meetings_;

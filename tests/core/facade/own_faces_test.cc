@@ -153,6 +153,46 @@ TEST(OwnFaces, AreNotNeededWhereTheSurfaceMeetsItself) {
   EXPECT_EQ(mixed->components, 0u);
 }
 
+TriangleMesh Square(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  return {{a, b, c, d}, {{VertexId(0), VertexId(1), VertexId(2)}, {VertexId(0), VertexId(2), VertexId(3)}}};
+}
+
+// A floor and a wall that were parted along an edge. A triangle of the floor is turned over; the wall has a vertex in the middle of that edge.
+TEST(OwnFaces, TakeWhatSharesASeamWithThemAlong) {
+  const TriangleMesh floor = Square({0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0});
+  const TriangleMesh wall = Square({0, 0, 0}, {0, 0, -1}, {1, 0, -1}, {1, 0, 0});
+  const auto surface = SurfaceOf(Joined(floor, wall));
+  TriangleMesh turned = floor;
+  turned.triangles[1] = {VertexId(0), VertexId(3), VertexId(2)};
+  TriangleMesh finer = wall;
+  finer.positions.push_back({0.5, 0, 0});
+  finer.triangles = {{VertexId(0), VertexId(1), VertexId(4)},
+                     {VertexId(1), VertexId(2), VertexId(4)},
+                     {VertexId(2), VertexId(3), VertexId(4)}};
+  const absl::StatusOr<PartlyOwn> mixed =
+      PutOwnFacesIn(PiecesOf({turned, finer}), *surface, {{}, 0.1, kFlatRatio}, Context{});
+  ASSERT_THAT(mixed, IsOk());
+  EXPECT_EQ(mixed->components, 2u);
+  EXPECT_THAT(MeshOf(*mixed), HasNoSelfIntersection());
+}
+
+// A blade through a floor: the stretch that the input's have in common is a fifth as long as that of what was made of them.
+TEST(OwnFaces, AreNeededWhereAMeetingGoesOnBeyondTheBound) {
+  const auto blade = [](double width) {
+    return TriangleMesh{{{-width, 0, -1}, {width, 0, -1}, {0, 0, 1}}, {{VertexId(0), VertexId(1), VertexId(2)}}};
+  };
+  const TriangleMesh floor = Square({-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0});
+  const auto surface = SurfaceOf(Joined(floor, blade(0.2)));
+  const auto count_own = [&](double bound) {
+    const absl::StatusOr<PartlyOwn> mixed =
+        PutOwnFacesIn(PiecesOf({floor, blade(1)}), *surface, {{}, bound, kFlatRatio}, Context{});
+    EXPECT_THAT(mixed, IsOk());
+    return mixed.ok() ? mixed->components : 0;
+  };
+  EXPECT_EQ(count_own(0.2), 2u) << "the middle of each half is 0.15 from the input's, its end 0.4";
+  EXPECT_EQ(count_own(0.5), 0u);
+}
+
 // However it was cut, components have the numbers that they had.
 TEST(OwnFaces, ComeFromTheSurfaceAsItWasBeforeTheCut) {
   const TriangleMesh cubes = Joined(Moved(Cube(2), {5, 0, 0}), Cube(2));
