@@ -170,7 +170,7 @@ TEST(OwnFaces, TakeWhatSharesASeamWithThemAlong) {
                      {VertexId(1), VertexId(2), VertexId(4)},
                      {VertexId(2), VertexId(3), VertexId(4)}};
   const absl::StatusOr<PartlyOwn> mixed =
-      PutOwnFacesIn(PiecesOf({turned, finer}), *surface, {{}, 0.1, kFlatRatio}, Context{});
+      PutOwnFacesIn(PiecesOf({turned, finer}), *surface, {{}, 1, kFlatRatio}, Context{});
   ASSERT_THAT(mixed, IsOk());
   EXPECT_EQ(mixed->components, 2u);
   EXPECT_THAT(MeshOf(*mixed), HasNoSelfIntersection());
