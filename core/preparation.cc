@@ -63,13 +63,15 @@ double ScaleFor(double diagonal) {
 
 namespace {
 
+// `components`: set where repair counted them.
 absl::Status Mend(TriangleMesh& mesh, const RemeshOptions& options, InputReport& report,
-                  std::optional<FaceAdjacency>& adjacency, const Context& context) {
+                  std::optional<FaceAdjacency>& adjacency, uint64_t& components, const Context& context) {
   if (!options.repair) return RequireManifold(mesh);
   MESHFRONT_ASSIGN_OR_RETURN(RepairResult repaired, RepairMesh(std::move(mesh), context));
   mesh = std::move(repaired.mesh);
   report.repairs = std::move(repaired.actions);
   adjacency = std::move(repaired.adjacency);
+  components = repaired.components;
   return absl::OkStatus();
 }
 
@@ -149,6 +151,13 @@ absl::Status InsertFeatures(Polylines features, const std::vector<bool>& beside,
   return absl::OkStatus();
 }
 
+// Repair leaves seams where it took faces apart or moved them; not where it only dropped what no face has, or turned components.
+bool MayHaveSeams(const std::vector<RepairAction>& repairs) {
+  return std::any_of(repairs.begin(), repairs.end(), [](const RepairAction& action) {
+    return action.what != "unreferenced_vertices" && action.what != "reversed_components";
+  });
+}
+
 // Mends the scaled input and finds its creases; the surface is cut open along them.
 absl::StatusOr<std::unique_ptr<MeshSurface>> MakeSurface(TriangleMesh mesh, std::optional<FaceAdjacency> adjacency,
                                                          Polylines features, Preparation& p, const Context& context) {
@@ -168,7 +177,7 @@ absl::StatusOr<std::unique_ptr<MeshSurface>> MakeSurface(TriangleMesh mesh, std:
   if (p.region) kept = FacesBesideRegion(mesh, *p.region);  // mending drops faces
   MESHFRONT_RETURN_IF_ERROR(InsertFeatures(std::move(features), kept, mesh, *adjacency, creases, p, context));
   if (!mesh.attributes.empty()) p.has_flat_normals = MarkAttributeSeams(mesh, *adjacency, creases);
-  if (!p.input.repairs.empty()) MarkSeams(mesh, *adjacency, creases);
+  if (MayHaveSeams(p.input.repairs)) MarkSeams(mesh, *adjacency, creases);
   const bool is_mended = p.input.repairs.size() > repairs;
   if (p.region) NameSurroundings(mesh, p.scale, *p.region);
   if (is_mended && !p.region) p.input.topology = MeasureTopology(mesh, *adjacency);
@@ -303,8 +312,12 @@ absl::Status ChooseRegion(const Region& region, const std::vector<bool>& left,
   return absl::OkStatus();
 }
 
-void MeasureInput(const TriangleMesh& mesh, const std::optional<FaceAdjacency>& adjacency, Preparation& p) {
-  p.input.topology = adjacency ? MeasureTopology(mesh, *adjacency) : MeasureTopology(mesh);
+// `components`: 0 where they are not counted yet.
+void MeasureInput(const TriangleMesh& mesh, const std::optional<FaceAdjacency>& adjacency, uint64_t components,
+                  Preparation& p) {
+  p.input.topology = !adjacency       ? MeasureTopology(mesh)
+                     : components > 0 ? MeasureTopology(mesh, *adjacency, components)
+                                      : MeasureTopology(mesh, *adjacency);
   p.input.diagonal = (adjacency ? BoundingBox(mesh, *adjacency) : BoundingBox(mesh)).Diagonal();
   p.scale = ScaleFor(p.input.diagonal);
 }
@@ -329,9 +342,11 @@ absl::Status MendAndChoose(Problem& problem, const std::vector<bool>& left, Prep
   if (!p.region) {  // also where all of the mesh was asked for
     if (problem.prepared) mesh = problem.prepared->Input();
     if (!p.parameters.options.attributes) mesh.attributes = {};
-    MESHFRONT_RETURN_IF_ERROR(Mend(mesh, p.parameters.options, p.input, adjacency, context));
+    uint64_t components = 0;
+    MESHFRONT_RETURN_IF_ERROR(Mend(mesh, p.parameters.options, p.input, adjacency, components, context));
     MESHFRONT_ASSIGN_OR_RETURN(p.gaps, FillGaps(p.parameters.options, mesh, adjacency, context));
-    MeasureInput(mesh, adjacency, p);
+    if (p.gaps.filled > 0) components = 0;
+    MeasureInput(mesh, adjacency, components, p);
   }
   if (p.scale != 1) {
     for (Vec3& x : mesh.positions) x *= p.scale;

@@ -29,6 +29,7 @@ class CreaseFinder {
         sharp_cosine_(std::cos(angle)),
         weak_cosine_(std::cos(kWeakCrease * angle)),
         faded_cosine_(std::cos(kFadedCrease * angle)),
+        diagonal_(BoundingBox(mesh, adjacency).Diagonal()),
         crease_(3 * mesh.triangles.size(), false),
         degree_(mesh.positions.size(), 0) {}
 
@@ -91,6 +92,7 @@ class CreaseFinder {
   const TriangleMesh& mesh_;
   const FaceAdjacency& adjacency_;
   const double sharp_cosine_, weak_cosine_, faded_cosine_;
+  const double diagonal_;  // of the mesh's box
   std::vector<Vec3> normals_;
   std::vector<uint32_t> thin_;  // faces: hairs are among them
   std::vector<bool> crease_;
@@ -146,7 +148,7 @@ uint32_t CreaseFinder::BesideHair(uint32_t h, double highest) const {
 //     ====== hair ====
 //     \______ b ______/
 void CreaseFinder::SmoothHairs() {
-  const double highest = kHairOfDiagonal * BoundingBox(mesh_, adjacency_).Diagonal();
+  const double highest = kHairOfDiagonal * diagonal_;
   std::vector<std::pair<uint32_t, Vec3>> smooth;
   for (const uint32_t f : thin_) {
     if (!IsHair(f, highest)) continue;
@@ -240,7 +242,7 @@ std::vector<uint32_t> CreaseFinder::FadeAt(uint32_t end, double least_length) co
 }
 
 void CreaseFinder::FindFades() {
-  const double least_length = kFadeOfDiagonal * BoundingBox(mesh_, adjacency_).Diagonal();
+  const double least_length = kFadeOfDiagonal * diagonal_;
   for (uint32_t v = 0; v < degree_.size(); ++v) {
     if (degree_[v] != 1) continue;
     std::vector<uint32_t> line = FadeAt(v, least_length);
@@ -304,7 +306,7 @@ bool CreaseFinder::IsFaintLine(uint32_t h, double least_length, std::vector<uint
 }
 
 void CreaseFinder::AddFaintLines() {
-  const double least_length = kFaintOfDiagonal * BoundingBox(mesh_, adjacency_).Diagonal();
+  const double least_length = kFaintOfDiagonal * diagonal_;
   std::vector<uint32_t> line, faint;
   for (uint32_t v = 0; v < degree_.size(); ++v) {
     if (degree_[v] < 2) continue;

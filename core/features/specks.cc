@@ -91,6 +91,13 @@ class SpeckFinder {
     const double angle = std::max(kFlatAngle, std::min(tilt, kMostRoundedAngle));
     return Dot(a, b) > 0 && SquaredNorm(Cross(a, b)) <= angle * angle;
   }
+  // The same of two faces' own normals. Rounding is looked at only where it decides.
+  bool AreFacesAlike(uint32_t f, const Vec3& here, uint32_t g, const Vec3& there) const {
+    const bool is_alike_at_least = AreAlike(here, there, 0),
+               is_alike_at_most = AreAlike(here, there, kMostRoundedAngle);
+    if (is_alike_at_least == is_alike_at_most) return is_alike_at_least;
+    return AreAlike(here, there, TiltOf(f, here) + TiltOf(g, there));
+  }
   // Whether a face turns from a plane by more than 20° and what rounding can have made of it.
   static bool TurnsFrom(const Vec3& plane, const Vec3& normal, double tilt) {
     return tilt < 1 && Dot(plane, normal) <= kMeantTurnCosine * (1 - 0.5 * tilt * tilt) - kMeantTurnSine * tilt;
@@ -113,8 +120,9 @@ class SpeckFinder {
   const CoordinateRounding rounding_;
   const double smallest_;
   FaceComponents patches_, cluster_of_;
-  std::vector<uint32_t> sizes_;  // of each patch, in faces
-  std::vector<bool> is_plane_;   // likewise: several faces in one plane
+  std::vector<uint32_t> sizes_;        // of each patch, in faces
+  std::vector<uint32_t> small_faces_;  // those of small patches, in their order
+  std::vector<bool> is_plane_;         // likewise: several faces in one plane
   std::map<uint32_t, Cluster> clusters_;
 };
 
@@ -124,14 +132,17 @@ void SpeckFinder::LabelPatches() {
   patches_ = LabelComponents(cut);
   sizes_.assign(patches_.count, 0);
   for (const uint32_t label : patches_.label) ++sizes_[label];
+  for (uint32_t f = 0; f < patches_.label.size(); ++f) {
+    if (!IsLarge(f)) small_faces_.push_back(f);
+  }
 }
 
 // Large faces are in none.
 void SpeckFinder::LabelClusters() {
   cluster_of_.label.assign(mesh_.triangles.size(), kNoHalfEdge);
   std::vector<uint32_t> pending;
-  for (uint32_t seed = 0; seed < mesh_.triangles.size(); ++seed) {
-    if (IsLarge(seed) || cluster_of_.label[seed] != kNoHalfEdge) continue;
+  for (const uint32_t seed : small_faces_) {
+    if (cluster_of_.label[seed] != kNoHalfEdge) continue;
     cluster_of_.label[seed] = cluster_of_.count;
     for (pending.push_back(seed); !pending.empty();) {
       const uint32_t f = pending.back();
@@ -150,12 +161,14 @@ void SpeckFinder::LabelClusters() {
 void SpeckFinder::FindPlanes() {
   is_plane_.resize(patches_.count);
   for (uint32_t label = 0; label < patches_.count; ++label) is_plane_[label] = sizes_[label] > 1;
-  for (uint32_t h = 0; h < creases_.size(); ++h) {
-    const uint32_t across = adjacency_.OppositeOf(h);
-    if (IsLarge(h / 3) || creases_[h] || across == kNoHalfEdge) continue;
-    const Vec3 here = NormalOf(h / 3), there = NormalOf(across / 3);
-    if (!AreAlike(here, there, TiltOf(h / 3, here) + TiltOf(across / 3, there)))
-      is_plane_[patches_.label[h / 3]] = false;
+  for (const uint32_t f : small_faces_) {
+    const Vec3 here = NormalOf(f);
+    for (uint32_t h = 3 * f; h < 3 * f + 3; ++h) {
+      const uint32_t across = adjacency_.OppositeOf(h);
+      if (creases_[h] || across == kNoHalfEdge) continue;
+      const Vec3 there = NormalOf(across / 3);
+      if (!AreFacesAlike(f, here, across / 3, there)) is_plane_[patches_.label[f]] = false;
+    }
   }
 }
 
@@ -184,8 +197,7 @@ void SpeckFinder::MeasureSide(uint32_t inside, uint32_t across, Cluster& c) cons
 }
 
 void SpeckFinder::MeasureFaces() {
-  for (uint32_t f = 0; f < mesh_.triangles.size(); ++f) {
-    if (IsLarge(f)) continue;
+  for (const uint32_t f : small_faces_) {
     Cluster& c = clusters_[cluster_of_.label[f]];
     ++c.faces;
     c.length += LongestLength(f);

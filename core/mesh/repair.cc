@@ -228,6 +228,7 @@ absl::StatusOr<RepairResult> Repair(TriangleMesh mesh, bool turns_outwards, std:
   ActionCounts actions;
   const uint64_t unreferenced = CountUnreferenced(mesh);
   std::optional<FaceAdjacency> adjacency;
+  uint64_t components = 0;
   for (int pass = 0;; ++pass) {
     MESHFRONT_RETURN_IF_ERROR(context.CheckStop());
     if (pass > 0) survey = Survey(mesh);
@@ -236,8 +237,11 @@ absl::StatusOr<RepairResult> Repair(TriangleMesh mesh, bool turns_outwards, std:
     if (!clean && pass < kMostPasses && RepairPass(mesh, survey, actions)) continue;
     if (!adjacency) adjacency = FindManifoldAdjacency(mesh);
     if (!adjacency) return absl::InternalError("repair did not arrive at a manifold; please report this mesh");
-    if (turns_outwards && actions.Add("reversed_components", TurnOutwards(mesh, *adjacency)))
-      adjacency = CreateAdjacency(mesh);
+    if (turns_outwards) {
+      const OutwardTurns turns = TurnOutwards(mesh, *adjacency);
+      components = turns.components;
+      if (actions.Add("reversed_components", turns.reversed)) adjacency = CreateAdjacency(mesh);
+    }
     break;
   }
   if (mesh.triangles.empty()) {
@@ -246,7 +250,7 @@ absl::StatusOr<RepairResult> Repair(TriangleMesh mesh, bool turns_outwards, std:
   }
   actions.Add("unreferenced_vertices", unreferenced);
   if (HasUnreferenced(*adjacency)) DropUnreferencedVertices(mesh, *adjacency);
-  return RepairResult{std::move(mesh), actions.Take(), *std::move(adjacency)};
+  return RepairResult{std::move(mesh), actions.Take(), *std::move(adjacency), components};
 }
 
 }  // namespace

@@ -60,6 +60,7 @@ struct RepairResult {
   TriangleMesh mesh;  // an oriented manifold, perhaps with boundary, no unreferenced vertices
   std::vector<RepairAction> actions;
   FaceAdjacency adjacency;  // of `mesh`
+  uint64_t components = 0;  // likewise; 0: not counted
 };
 // Makes the best oriented manifold of the mesh. A mesh that is one passes with its bits and its order; repairing a
 // repaired mesh changes nothing. InvalidArgument when nothing meshable is there (no finite face with area), an index is

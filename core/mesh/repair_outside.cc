@@ -1,5 +1,6 @@
 #include "core/mesh/repair_outside.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -43,17 +44,16 @@ class Nesting {
       if (c.faces++ == 0) c.first_face = f;
       const Vec3 origin = Corner(c.first_face, 0);
       c.volume += Dot(Corner(f, 0) - origin, Cross(Corner(f, 1) - origin, Corner(f, 2) - origin));
-      for (int i = 0; i < 3; ++i) {
-        c.box.Extend(Corner(f, i));
-        c.closed = c.closed && adjacency.opposite[f][i] != kNoHalfEdge;
-      }
+      for (const uint32_t across : adjacency.opposite[f]) c.closed &= across != kNoHalfEdge;
     }
   }
 
   uint64_t FindReversed() {
-    bool any = false;
-    for (const Component& c : components_) any = any || c.IsSolid(-1);
-    if (!any) return 0;
+    const auto faces_inwards = [](const Component& c) { return c.closed && c.volume < 0; };
+    if (std::none_of(components_.begin(), components_.end(), faces_inwards)) return 0;
+    MeasureBoxes();
+    if (std::none_of(components_.begin(), components_.end(), [](const Component& c) { return c.IsSolid(-1); }))
+      return 0;
     ListFaces();
     std::vector<uint32_t> roots;
     for (uint32_t c = 0; c < components_.size(); ++c) {
@@ -67,10 +67,17 @@ class Nesting {
     return count;
   }
 
+  uint64_t component_count() const { return components_.size(); }
   bool IsReversed(uint32_t f) const { return components_[labels_.label[f]].reversed; }
 
  private:
   const Vec3& Corner(uint32_t f, int i) const { return mesh_.PositionAt(mesh_.triangles[f][i]); }
+
+  void MeasureBoxes() {
+    for (uint32_t f = 0; f < mesh_.triangles.size(); ++f) {
+      for (int i = 0; i < 3; ++i) components_[labels_.label[f]].box.Extend(Corner(f, i));
+    }
+  }
 
   void ListFaces() {
     faces_.resize(components_.size());
@@ -130,13 +137,13 @@ class Nesting {
 
 }  // namespace
 
-uint64_t TurnOutwards(TriangleMesh& mesh, const FaceAdjacency& adjacency) {
+OutwardTurns TurnOutwards(TriangleMesh& mesh, const FaceAdjacency& adjacency) {
   Nesting nesting(mesh, adjacency);
   const uint64_t reversed = nesting.FindReversed();
   for (uint32_t f = 0; reversed > 0 && f < mesh.triangles.size(); ++f) {
     if (nesting.IsReversed(f)) ReverseFace(mesh, f);
   }
-  return reversed;
+  return {reversed, nesting.component_count()};
 }
 
 }  // namespace meshfront

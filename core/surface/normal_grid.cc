@@ -1,5 +1,6 @@
 // 1. The cell size: grown until there are at most kCellsPerFace cells, and at most kRefsPerFace meetings of faces with cells.
-// 2. Each face's unit normal, rounded outwards to bytes, joins the box of each cell that the face's box meets.
+// 2. Each vertex's cell (PlaceCorners), and so each face's range of cells. The face's unit normal, rounded outwards to bytes, joins the
+// box of each cell of the range.
 // 3. A segment is cut into pieces no longer than a cell; the cells of a piece's box are asked. A box of normals is opposed when the
 // least dot product of the vector with its corners is.
 // Rejected: the faces themselves in the cells, instead of the tree that follows; where limits vary, small cells repeat large faces.
@@ -27,7 +28,8 @@ constexpr double kOpposedInUnits = (kOpposed + 1e-9) * kUnit;
 
 }  // namespace
 
-NormalGrid::NormalGrid(const FaceView& mesh, const Box3& bounds, double cell_size) : mesh_(mesh), bounds_(bounds) {
+NormalGrid::NormalGrid(const FaceView& mesh, size_t vertex_count, const Box3& bounds, double cell_size)
+    : mesh_(mesh), vertex_count_(vertex_count), bounds_(bounds) {
   const double diagonal = bounds.Diagonal();
   const double most_cells = std::max(kCellsPerFace * mesh.face_count, kFewestCells);
   Resize(cell_size > 0 ? std::max(cell_size, 1e-4 * diagonal) : diagonal);
@@ -41,6 +43,7 @@ bool NormalGrid::Fill(uint64_t most_refs) {
   Normals none;
   std::memset(&none, 127, sizeof(none));
   cells_.assign(size_t{counts_[0]} * counts_[1] * counts_[2], none);
+  PlaceCorners();
   uint64_t refs = 0;
   for (uint32_t f = 0; f < mesh_.face_count; ++f) {
     const Range range = RangeOfFace(f);
@@ -82,7 +85,7 @@ inline NormalGrid::Normals NormalGrid::NormalsOf(uint32_t f) const {
 // Monotone in each coordinate, so that a point of a box lies in a cell of the box's range.
 inline NormalGrid::Range NormalGrid::RangeOf(const Vec3& min, const Vec3& max) const {
   const auto cell = [&](double x, double lowest, uint32_t count) {
-    return static_cast<int>(std::max(std::min((x - lowest) * per_length_, count - 1.0), 0.0));
+    return static_cast<int>(std::max(0.0, std::min((x - lowest) * per_length_, count - 1.0)));
   };
   const Vec3& low = bounds_.min;
   return {{cell(min.x, low.x, counts_[0]), cell(min.y, low.y, counts_[1]), cell(min.z, low.z, counts_[2])},
@@ -90,8 +93,21 @@ inline NormalGrid::Range NormalGrid::RangeOf(const Vec3& min, const Vec3& max) c
 }
 
 inline NormalGrid::Range NormalGrid::RangeOfFace(uint32_t f) const {
-  const Vec3 &a = mesh_.Corner(f, 0), &b = mesh_.Corner(f, 1), &c = mesh_.Corner(f, 2);
-  return RangeOf(Min(Min(a, b), c), Max(Max(a, b), c));
+  const Corner &a = corners_[mesh_.triangles[f][0].index()], &b = corners_[mesh_.triangles[f][1].index()],
+               &c = corners_[mesh_.triangles[f][2].index()];
+  const Corner ab = a < b ? a : b, least = ab < c ? ab : c;
+  return {{least[0], least[1], least[2]}, {-least[4], -least[5], -least[6]}};
+}
+
+void NormalGrid::PlaceCorners() {
+  corners_.resize(vertex_count_);
+  for (size_t v = 0; v < vertex_count_; ++v) {
+    const std::array<int, 3> cell = RangeOf(mesh_.positions[v], mesh_.positions[v]).first;
+    for (int i = 0; i < 3; ++i) {
+      corners_[v][i] = static_cast<int16_t>(cell[i]);
+      corners_[v][4 + i] = static_cast<int16_t>(-cell[i]);
+    }
+  }
 }
 
 template <class Visit>

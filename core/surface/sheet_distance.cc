@@ -149,7 +149,7 @@ absl::StatusOr<std::vector<double>> MeasureSheetDistances(const TriangleMesh& me
   std::vector<Rays> rays(mesh.positions.size(), 0);
   Suspects suspects;
   {
-    NormalGrid grid(view, BoundingBox(mesh, adjacency), kCellOfLimit * MeanOf(limits));
+    NormalGrid grid(view, mesh.positions.size(), BoundingBox(mesh, adjacency), kCellOfLimit * MeanOf(limits));
     MESHFRONT_RETURN_IF_ERROR(ParallelFor(rays.size(), kGrain, context, [&](size_t begin, size_t end) {
       for (size_t v = begin; v < end; ++v) {
         const bool asks = is_probe[v] && adjacency.outgoing[v] != kNoHalfEdge && limits[v] > 0;

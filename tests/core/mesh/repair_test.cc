@@ -62,6 +62,11 @@ TEST(Repair, LeavesACleanMeshAloneBitForBit) {
   }
 }
 
+TEST(Repair, CountsTheComponents) {
+  EXPECT_EQ(RepairMesh(testing::Cube(1), Context{})->components, 1u);
+  EXPECT_EQ(RepairMesh(testing::ConcentricShells(2, 0.5), Context{})->components, 2u);
+}
+
 TEST(Repair, DropsUnreferencedVerticesAndTheirNormals) {
   TriangleMesh mesh = shapes::Tetrahedron();
   mesh.positions.insert(mesh.positions.begin(), Vec3{9, 9, 9});

@@ -27,7 +27,7 @@ struct Scene {
   NormalGrid Grid(double cell_size) const {
     const FaceView view{mesh.positions.data(), mesh.triangles.data(), adjacency.opposite.data()->data(),
                         static_cast<uint32_t>(mesh.triangles.size())};
-    return NormalGrid(view, BoundingBox(mesh), cell_size);
+    return NormalGrid(view, mesh.positions.size(), BoundingBox(mesh), cell_size);
   }
   bool IsOpposed(FaceId face, const Vec3& normal) const {
     const Triangle& t = mesh.triangles[face.index()];
