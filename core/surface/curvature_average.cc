@@ -6,9 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/status_macros.h"
-#include "core/geometry/triangle.h"
 #include "core/surface/tolerances.h"
 
 namespace meshfront {
@@ -17,8 +17,10 @@ namespace {
 using namespace surface_tolerances;
 
 constexpr size_t kGrain = 4096;
-constexpr int kKeptEvery = 4;   // passes
-constexpr size_t kMaxKept = 4;  // the last ones
+constexpr double kMostPlainPasses = 3;  // beyond, polynomials take fewer steps
+constexpr double kLeastDamping = 20;    // of what is narrower than the disk
+constexpr double kSamePasses =
+    0.2;  // so much more or less is not averaged again: a search for a count asks several times
 
 template <int kCount>
 double SumOf(const double* values, const uint32_t* ring, double sum) {
@@ -50,11 +52,6 @@ absl::StatusOr<CurvatureAverage> CurvatureAverage::Create(const MeshSurface& sur
     rings = std::make_shared<const VertexRings>(std::move(made));
   }
   CurvatureAverage average(surface, std::move(rings));
-  average.areas_.assign(mesh.positions.size(), 0);
-  for (const Triangle& t : mesh.triangles) {
-    const double third = TriangleArea(mesh.PositionAt(t[0]), mesh.PositionAt(t[1]), mesh.PositionAt(t[2])) / 3;
-    for (const VertexId v : t) average.areas_[v.index()] += third;
-  }
   average.inverse_sums_.assign(mesh.positions.size(), 0);
   for (uint32_t v = 0; v < mesh.positions.size(); ++v) {
     double area = average.areas_[v];
@@ -75,42 +72,67 @@ double CurvatureAverage::PassesFor(absl::FunctionRef<double(double max_curvature
   return coarser > 0 ? std::clamp(kPassesPerCoarser * (coarser - 1), 0.0, kMaxPasses) : 0;
 }
 
-// The last pass in part, so that a little more of them changes little.
+// As many passes of means as `passes` says, a part of one among them, or few steps that come to the same.
 absl::Status CurvatureAverage::Average(double passes, const Context& context) {
   const absl::Span<const double> own = surface_->vertex_curvatures();
-  const auto before = std::find_if(kept_.rbegin(), kept_.rend(), [&](const Kept& k) { return k.passes <= passes; });
-  int done = before == kept_.rend() ? 0 : before->passes;
-  if (done > 0)
-    means_ = before->means;
-  else
-    means_.assign(own.begin(), own.end());
-  std::vector<double> weighted(own.size());
-  for (; done < passes; ++done) {
-    const double part = std::min(passes - done, 1.0);
-    for (size_t v = 0; v < own.size(); ++v) weighted[v] = areas_[v] * means_[v];
-    MESHFRONT_RETURN_IF_ERROR(ParallelFor(own.size(), kGrain, context, [&](size_t begin, size_t end) {
-      // Locals, which the stores below cannot be taken to change.
-      const double *const from = weighted.data(), *const per_sum = inverse_sums_.data();
-      const uint32_t *const begins = rings_->begin.data(), *const neighbours = rings_->neighbours.data();
-      double* const means = means_.data();
-      for (size_t v = begin; v < end; ++v) {
-        const double sum = Sum(from, neighbours + begins[v], neighbours + begins[v + 1], from[v]);
-        means[v] += part * (sum * per_sum[v] - means[v]);
-      }
-    }));
-    if (part == 1 && (done + 1) % kKeptEvery == 0) Keep(done + 1);
-  }
+  means_.assign(own.begin(), own.end());
   passes_ = passes;
+  if (passes > kMostPlainPasses) return AverageInSteps(passes, context);
+  std::vector<double> ring_means;
+  for (double left = passes; left > 0; --left) {
+    MESHFRONT_RETURN_IF_ERROR(TakeRingMeans(means_, ring_means, context));
+    const double part = std::min(left, 1.0);
+    for (size_t v = 0; v < means_.size(); ++v) means_[v] += part * (ring_means[v] - means_[v]);
+  }
   return absl::OkStatus();
 }
 
-void CurvatureAverage::Keep(int passes) {
-  if (!kept_.empty() && kept_.back().passes >= passes) return;
-  if (kept_.size() == kMaxKept)
-    std::rotate(kept_.begin(), kept_.begin() + 1, kept_.end());
-  else
-    kept_.emplace_back();
-  kept_.back() = {passes, means_};
+// A pass multiplies by A what it averages, n of them by A^n, and the eigenvalues of A lie in [−1, 1]. The Chebyshev polynomial
+// T_s(x(A)) / T_s(x₀), with x(1) = x₀ and x(−1) = −1, has the slope of A^n at 1, where smooth functions are, for x₀ = (1 + t²) / (1 − t²)
+// with t = s / 2n, and falls below 1 / T_s(x₀) where A^n would vanish: about √n multiplications instead of n.
+absl::Status CurvatureAverage::AverageInSteps(double passes, const Context& context) {
+  const auto peak_of = [&](int steps) {  // x₀
+    const double t = steps / (2 * passes);
+    return (1 + t * t) / (1 - t * t);
+  };
+  const auto chebyshev = [](int order, double x) {
+    double before = 1, at = x;
+    for (int i = 1; i < order; ++i) before = std::exchange(at, 2 * x * at - before);
+    return at;
+  };
+  int steps = 2;
+  while (chebyshev(steps, peak_of(steps)) < kLeastDamping) ++steps;
+  const double peak = peak_of(steps), scale = 0.5 * (peak + 1), shift = peak - scale;  // x(A) = shift + scale · A
+  std::vector<double> before = means_, ring_means;                                     // of one step less
+  double of_before = 1, of_means = peak;                                               // T at x₀
+  for (int step = 1; step <= steps; ++step) {
+    MESHFRONT_RETURN_IF_ERROR(TakeRingMeans(means_, ring_means, context));
+    const double of_next = step == 1 ? peak : 2 * peak * of_means - of_before;
+    const double doubled = step == 1 ? 1 / peak : 2 * of_means / of_next, less = step == 1 ? 0 : of_before / of_next;
+    for (size_t v = 0; v < means_.size(); ++v) {
+      const double next = doubled * (shift * means_[v] + scale * ring_means[v]) - less * before[v];
+      before[v] = std::exchange(means_[v], next);
+    }
+    if (step > 1) of_before = std::exchange(of_means, of_next);
+  }
+  for (double& mean : means_) mean = std::max(mean, 0.0);
+  return absl::OkStatus();
+}
+
+// Of each vertex and its ring, weighted by area.
+absl::Status CurvatureAverage::TakeRingMeans(absl::Span<const double> values, std::vector<double>& means,
+                                             const Context& context) const {
+  std::vector<double> weighted(values.size());
+  for (size_t v = 0; v < values.size(); ++v) weighted[v] = areas_[v] * values[v];
+  means.resize(values.size());
+  return ParallelFor(values.size(), kGrain, context, [&](size_t begin, size_t end) {
+    // Locals, which the stores below cannot be taken to change.
+    const double *const from = weighted.data(), *const per_sum = inverse_sums_.data();
+    const uint32_t *const begins = rings_->begin.data(), *const neighbours = rings_->neighbours.data();
+    double* const out = means.data();
+    for (size_t v = begin; v < end; ++v)
+      out[v] = per_sum[v] * Sum(from, neighbours + begins[v], neighbours + begins[v + 1], from[v]);
+  });
 }
 
 absl::StatusOr<std::vector<double>> CurvatureAverage::ForEdges(

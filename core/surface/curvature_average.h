@@ -22,29 +22,25 @@ class CurvatureAverage {
 
   // Of each vertex the curvature, ≥ 0: not more than a set multiple of its average. The disk follows from how many input triangles
   // there are for each that edges of `ideal_length` over η (η ≥ 1) make: next to none where there are as many, two input edges where
-  // there are five times as many. `ideal_length` falls with the curvature and is called from one thread. About 5 ns a vertex and pass
-  // of averaging, of which there are up to 64.
+  // there are five times as many. `ideal_length` falls with the curvature and is called from one thread. About 5 ns a vertex and
+  // step of averaging, of which there are up to 15.
   absl::StatusOr<std::vector<double>> ForEdges(absl::FunctionRef<double(double max_curvature)> ideal_length, double eta,
                                                const Context& context);
 
  private:
   CurvatureAverage(const MeshSurface& surface, std::shared_ptr<const VertexRings> rings)
-      : surface_(&surface), rings_(std::move(rings)) {}
+      : surface_(&surface), rings_(std::move(rings)), areas_(surface.vertex_areas()) {}
   double PassesFor(absl::FunctionRef<double(double max_curvature)> ideal_length, double eta) const;
   absl::Status Average(double passes, const Context& context);
-  void Keep(int passes);
+  absl::Status AverageInSteps(double passes, const Context& context);
+  absl::Status TakeRingMeans(absl::Span<const double> values, std::vector<double>& means, const Context& context) const;
 
   const MeshSurface* surface_;
   std::shared_ptr<const VertexRings> rings_;
-  std::vector<double> areas_, inverse_sums_;  // of each vertex a third of the faces around; of its ring and itself
-  std::vector<double> means_;                 // after passes_
+  absl::Span<const double> areas_;    // of the vertices
+  std::vector<double> inverse_sums_;  // of each vertex's ring and itself
+  std::vector<double> means_;         // after passes_
   double passes_ = -1;
-  // Means after some whole numbers of passes, to go on from: a search for a count asks for about as many again.
-  struct Kept {
-    int passes = 0;
-    std::vector<double> means;
-  };
-  std::vector<Kept> kept_;
 };
 
 }  // namespace meshfront

@@ -19,6 +19,7 @@
 #include "core/base/processor.h"
 #include "core/base/status_macros.h"
 #include "core/geometry/triangle.h"
+#include "core/surface/vertex_normals.h"
 #include "core/surface/vertex_rings.h"
 
 namespace meshfront {
@@ -36,6 +37,13 @@ constexpr int kTerms = 6;      // x², xy, y², x, y, 1
 constexpr uint32_t kMinSamples = 7;
 // Of the scaled system (unit diagonal): a pivot below this says that some term is not determined.
 constexpr double kMinPivot = 1e-5;
+
+// A vertex from which the normal turns by less than this angle (7°) to all around it, which are so many and so even, takes the mean of
+// those among them that were fitted, if that is at least this share of the largest turn per length: fits look three edges far, and change
+// little over one, but not where something small begins that is bent more.
+constexpr double kAlikeShare = 0.4;
+constexpr double kSmoothCosine = 0.992, kMostUneven = 3;
+constexpr size_t kFewestAround = 5, kMostAround = 8;
 
 // Four doubles at a time; a vector type of the compiler, since it may not reorder sums of doubles by itself. Each lane rounds as a
 // scalar does, so that the processor's width changes no bit.
@@ -324,13 +332,9 @@ class CollectorPool {
   std::vector<std::unique_ptr<RingCollector>> free_;
 };
 
-std::vector<Sample> WeightedSamples(const TriangleMesh& mesh, absl::Span<const Vec3> normals) {
+std::vector<Sample> WeightedSamples(const TriangleMesh& mesh, absl::Span<const Vec3> normals,
+                                    absl::Span<const double> areas) {
   std::vector<Sample> samples(mesh.positions.size());
-  std::vector<double> areas(mesh.positions.size(), 0);
-  for (const Triangle& t : mesh.triangles) {
-    const double third = TriangleArea(mesh.PositionAt(t[0]), mesh.PositionAt(t[1]), mesh.PositionAt(t[2])) / 3;
-    for (const VertexId v : t) areas[v.index()] += third;
-  }
   for (size_t v = 0; v < samples.size(); ++v) {
     const Vec3& p = mesh.positions[v];
     const Vec3 n = areas[v] * normals[v];
@@ -338,6 +342,55 @@ std::vector<Sample> WeightedSamples(const TriangleMesh& mesh, absl::Span<const V
     samples[v].second = Quad{n.y, n.z, areas[v], 0};
   }
   return samples;
+}
+
+// Where a vertex has its curvature from.
+enum class Source : uint8_t { kNone, kFit, kNeighbours };
+
+// Whether the surface hardly turns from a vertex to those around it, which lie about evenly.
+bool IsSmoothAround(const Sources& from, uint32_t v) {
+  const absl::Span<const uint32_t> ring = from.rings.Of(v);
+  if (ring.size() < kFewestAround || ring.size() > kMostAround || from.adjacency.IsRimVertex(v)) return false;
+  double least_cosine = 1, shortest2 = INFINITY, longest2 = 0;
+  for (const uint32_t u : ring) {
+    least_cosine = std::min(least_cosine, Dot(from.normals[v], from.normals[u]));
+    const double length2 = SquaredDistance(from.positions[v], from.positions[u]);
+    shortest2 = std::min(shortest2, length2), longest2 = std::max(longest2, length2);
+  }
+  return least_cosine >= kSmoothCosine && longest2 <= kMostUneven * kMostUneven * shortest2;
+}
+
+// Greedily in the order of the vertices, so that it depends on the mesh alone.
+std::vector<Source> ChooseSources(const Sources& from, const std::vector<bool>& wanted) {
+  std::vector<Source> source_of(from.positions.size(), Source::kNone);
+  for (uint32_t v = 0; v < source_of.size(); ++v) {
+    if (!wanted.empty() && !wanted[v]) continue;
+    bool has_fit = false;
+    for (const uint32_t u : from.rings.Of(v)) has_fit |= source_of[u] == Source::kFit;
+    source_of[v] = has_fit && IsSmoothAround(from, v) ? Source::kNeighbours : Source::kFit;
+  }
+  return source_of;
+}
+
+// Of the normal, by the square of the length over which it does.
+double LargestSquaredTurn(const Sources& from, uint32_t v) {
+  double largest = 0;
+  const double least = from.LeastLengthAt(v), least2 = least * least;
+  for (const uint32_t u : from.rings.Of(v)) {
+    const double length2 = std::max(least2, SquaredDistance(from.positions[v], from.positions[u]));
+    largest = std::max(largest, SquaredDistance(from.normals[v], from.normals[u]) / length2);
+  }
+  return largest;
+}
+
+double MeanOfFits(absl::Span<const uint32_t> ring, absl::Span<const double> curvatures,
+                  absl::Span<const Source> source_of) {
+  double sum = 0, count = 0;
+  for (const uint32_t u : ring) {
+    const double has_fit = source_of[u] == Source::kFit ? 1 : 0;
+    sum += has_fit * curvatures[u], count += has_fit;
+  }
+  return sum / count;
 }
 
 }  // namespace
@@ -356,22 +409,35 @@ absl::StatusOr<std::vector<double>> FitMaxCurvatures(const TriangleMesh& mesh, c
                                                      absl::Span<const Vec3> normals, const Context& context,
                                                      const LeastLengths& least, const std::vector<bool>& wanted) {
   MESHFRONT_ASSIGN_OR_RETURN(const VertexRings rings, CreateVertexRings(mesh, adjacency, context));
-  return FitMaxCurvatures(mesh, adjacency, rings, normals, context, least, wanted);
+  return FitMaxCurvatures(mesh, adjacency, rings, normals, ComputeVertexAreas(mesh), context, least, wanted);
 }
 
 absl::StatusOr<std::vector<double>> FitMaxCurvatures(const TriangleMesh& mesh, const FaceAdjacency& adjacency,
                                                      const VertexRings& rings, absl::Span<const Vec3> normals,
-                                                     const Context& context, const LeastLengths& least,
-                                                     const std::vector<bool>& wanted) {
-  const Sources sources{WeightedSamples(mesh, normals), mesh.positions, normals, rings, adjacency, least};
+                                                     absl::Span<const double> areas, const Context& context,
+                                                     const LeastLengths& least, const std::vector<bool>& wanted) {
+  const Sources sources{WeightedSamples(mesh, normals, areas), mesh.positions, normals, rings, adjacency, least};
   std::vector<double> curvatures(mesh.positions.size());
+  const std::vector<Source> source_of = ChooseSources(sources, wanted);
   CollectorPool collectors(mesh.positions.size());
   MESHFRONT_RETURN_IF_ERROR(ParallelFor(curvatures.size(), kGrain, context, [&](size_t begin, size_t end) {
     std::unique_ptr<RingCollector> ring = collectors.Take();
     RingSamples samples;
     for (size_t v = begin; v < end; ++v) {
-      if (wanted.empty() || wanted[v])
+      if (source_of[v] == Source::kFit)
         curvatures[v] = MaxCurvatureAt(sources, static_cast<uint32_t>(v), *ring, samples);
+    }
+    collectors.GiveBack(std::move(ring));
+  }));
+  // Of fits alone, which stay as they are.
+  MESHFRONT_RETURN_IF_ERROR(ParallelFor(curvatures.size(), kGrain, context, [&](size_t begin, size_t end) {
+    std::unique_ptr<RingCollector> ring = collectors.Take();
+    RingSamples samples;
+    for (uint32_t v = static_cast<uint32_t>(begin); v < end; ++v) {
+      if (source_of[v] != Source::kNeighbours) continue;
+      const double mean = MeanOfFits(rings.Of(v), curvatures, source_of);
+      const bool is_alike = mean * mean >= kAlikeShare * kAlikeShare * LargestSquaredTurn(sources, v);
+      curvatures[v] = is_alike ? mean : MaxCurvatureAt(sources, v, *ring, samples);
     }
     collectors.GiveBack(std::move(ring));
   }));

@@ -27,11 +27,11 @@ absl::StatusOr<std::vector<double>> FitMaxCurvatures(const TriangleMesh& mesh, c
                                                      absl::Span<const Vec3> normals, const Context& context,
                                                      const LeastLengths& least = {},
                                                      const std::vector<bool>& wanted = {});
-// The same with the rings of the mesh (CreateVertexRings).
+// The same with the rings of the mesh (CreateVertexRings) and the areas of its vertices (ComputeVertexAreas).
 absl::StatusOr<std::vector<double>> FitMaxCurvatures(const TriangleMesh& mesh, const FaceAdjacency& adjacency,
                                                      const VertexRings& rings, absl::Span<const Vec3> normals,
-                                                     const Context& context, const LeastLengths& least,
-                                                     const std::vector<bool>& wanted);
+                                                     absl::Span<const double> areas, const Context& context,
+                                                     const LeastLengths& least, const std::vector<bool>& wanted);
 
 // Of the height field z = a x² + b x y + c y² + d x + e y at the origin, from its first and second fundamental forms.
 double MaxCurvatureOfQuadratic(double a, double b, double c, double d, double e);

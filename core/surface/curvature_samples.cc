@@ -111,7 +111,7 @@ absl::Status MeshSurface::ComputeCurvatureOf(const std::vector<bool>& faces, con
   for (const double diagonal : whole_diagonals()) least_lengths.push_back(kLeastOfDiagonal * diagonal);
   MESHFRONT_ASSIGN_OR_RETURN(VertexRings rings, CreateVertexRings(mesh_, adjacency_, context));
   rings_ = std::make_shared<const VertexRings>(std::move(rings));
-  MESHFRONT_ASSIGN_OR_RETURN(curvatures_, FitMaxCurvatures(mesh_, adjacency_, *rings_, normals_, context,
+  MESHFRONT_ASSIGN_OR_RETURN(curvatures_, FitMaxCurvatures(mesh_, adjacency_, *rings_, normals_, areas_, context,
                                                            {least_lengths, components_.label}, wanted));
   has_curvature_ = true;
   return absl::OkStatus();

@@ -86,9 +86,10 @@ void MeshSurface::MeasureWholeComponents() {
     if (across != kNoHalfEdge) patches.Unite(components_.label[h / 3], components_.label[across / 3]);
   }
   std::vector<Box3> boxes(component_count());
-  for (size_t f = 0; f < mesh_.triangles.size(); ++f) {
-    Box3& box = boxes[patches.Find(components_.label[f])];
-    for (const VertexId v : mesh_.triangles[f]) box.Extend(mesh_.PositionAt(v));
+  for (size_t v = 0; v < mesh_.positions.size(); ++v) {
+    const uint32_t h = adjacency_.outgoing[v];
+    if (h == kNoHalfEdge) continue;
+    boxes[patches.Find(components_.label[FaceOfHalfEdge(h)])].Extend(mesh_.positions[v]);
   }
   std::vector<uint32_t> number(component_count(), kNoHalfEdge);  // of the whole, by its root
   uint32_t count = 0;
@@ -126,12 +127,14 @@ MeshSurface::MeshSurface(TriangleMesh mesh, FaceAdjacency adjacency)
     : mesh_(std::move(mesh)),
       adjacency_(std::move(adjacency)),
       normals_(ComputeVertexNormals(mesh_)),
+      areas_(ComputeVertexAreas(mesh_)),
       curvatures_(mesh_.positions.size(), 0.0),
       components_(LabelComponents(adjacency_)),
       component_has_boundary_(components_.count, false) {
   std::vector<Box3> boxes(components_.count);
-  for (size_t f = 0; f < mesh_.triangles.size(); ++f) {
-    for (const VertexId v : mesh_.triangles[f]) boxes[components_.label[f]].Extend(mesh_.PositionAt(v));
+  for (size_t v = 0; v < mesh_.positions.size(); ++v) {
+    const uint32_t h = adjacency_.outgoing[v];
+    if (h != kNoHalfEdge) boxes[components_.label[FaceOfHalfEdge(h)]].Extend(mesh_.positions[v]);
   }
   for (const Box3& box : boxes) component_diagonals_.push_back(box.Diagonal());
   for (size_t f = 0; f < adjacency_.opposite.size(); ++f) {

@@ -80,6 +80,7 @@ class MeshSurface final : public Surface {
   const TriangleMesh& mesh() const { return mesh_; }
   const FaceAdjacency& adjacency() const { return adjacency_; }
   absl::Span<const Vec3> vertex_normals() const { return normals_; }          // unit, angle-weighted
+  absl::Span<const double> vertex_areas() const { return areas_; }            // a third of the faces around
   absl::Span<const double> vertex_curvatures() const { return curvatures_; }  // maximum absolute principal curvature
 
   // Of the whole mesh, as the curvature was fitted with them; null before, and of parts.
@@ -175,6 +176,7 @@ class MeshSurface final : public Surface {
   std::vector<uint32_t> originals_;  // as in CreaseCut; empty when nothing was cut, as the next
   std::vector<std::array<uint32_t, 3>> whole_opposite_;
   std::vector<Vec3> normals_;
+  std::vector<double> areas_;  // of vertices
   std::vector<double> curvatures_;
   std::shared_ptr<const VertexRings> rings_;
   FaceComponents components_;

@@ -11,11 +11,17 @@ namespace {
 // A sum of unit normals times angles that is shorter than this, against the sum of the angles, has cancelled out.
 constexpr double kCancelled = 1e-6;
 
+// A right angle where one has no length.
+double AngleBetween(const Vec3& a, const Vec3& b) {
+  const double squares = SquaredNorm(a) * SquaredNorm(b);
+  return ApproximateAngle(squares > 0 ? Dot(a, b) / std::sqrt(squares) : 0);
+}
+
 void AddCornerNormals(const TriangleMesh& mesh, const Triangle& t, std::vector<Vec3>& sums) {
   const Vec3 p[3] = {mesh.PositionAt(t[0]), mesh.PositionAt(t[1]), mesh.PositionAt(t[2])};
   const Vec3 normal = Normalized(AreaVector(p[0], p[1], p[2]));
-  const Vec3 side[3] = {Normalized(p[1] - p[0]), Normalized(p[2] - p[1]), Normalized(p[0] - p[2])};
-  const double angle0 = ApproximateAngle(-Dot(side[2], side[0])), angle1 = ApproximateAngle(-Dot(side[0], side[1]));
+  const Vec3 side[3] = {p[1] - p[0], p[2] - p[1], p[0] - p[2]};
+  const double angle0 = AngleBetween(-side[2], side[0]), angle1 = AngleBetween(-side[0], side[1]);
   sums[t[0].index()] += angle0 * normal;
   sums[t[1].index()] += angle1 * normal;
   sums[t[2].index()] += std::max(0.0, 3.14159265358979323846 - angle0 - angle1) * normal;
@@ -50,6 +56,15 @@ std::vector<Vec3> ComputeVertexNormals(const TriangleMesh& mesh) {
   for (const Triangle& t : mesh.triangles) AddCornerNormals(mesh, t, normals);
   TakeLargestFaceNormals(mesh, normals);
   return normals;
+}
+
+std::vector<double> ComputeVertexAreas(const TriangleMesh& mesh) {
+  std::vector<double> areas(mesh.positions.size(), 0);
+  for (const Triangle& t : mesh.triangles) {
+    const double third = TriangleArea(mesh.PositionAt(t[0]), mesh.PositionAt(t[1]), mesh.PositionAt(t[2])) / 3;
+    for (const VertexId v : t) areas[v.index()] += third;
+  }
+  return areas;
 }
 
 }  // namespace meshfront

@@ -1,4 +1,4 @@
-// Unit normals of a mesh's vertices.
+// Unit normals of a mesh's vertices, and what of its area is theirs.
 #pragma once
 
 #include <vector>
@@ -11,6 +11,9 @@ namespace meshfront {
 // between processors). A vertex whose faces cancel out takes the normal of its largest face, one without any area (0, 0, 1).
 // O(n), about 20 ns a face.
 std::vector<Vec3> ComputeVertexNormals(const TriangleMesh& mesh);
+
+// A third of the area of the faces around each vertex. O(n).
+std::vector<double> ComputeVertexAreas(const TriangleMesh& mesh);
 
 // The angle between two vectors in radians from its cosine, within 7e-5 (Abramowitz and Stegun 4.4.45).
 double ApproximateAngle(double cosine);

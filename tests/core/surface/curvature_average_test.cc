@@ -80,7 +80,7 @@ TEST(CurvatureAverage, ChangesLittleWhenTheEdgesDo) {
   }
 }
 
-// What is kept of earlier answers saves passes, and changes nothing.
+// The last answer is kept, and changes nothing.
 TEST(CurvatureAverage, DoesNotDependOnWhatWasAskedBefore) {
   const auto surface = testing::SurfaceOf(RoughSphere());
   auto average = CurvatureAverage::Create(*surface, Context{});
@@ -89,6 +89,28 @@ TEST(CurvatureAverage, DoesNotDependOnWhatWasAskedBefore) {
     const auto again = average->ForEdges([&](double) { return length; }, 1, Context{});
     ASSERT_TRUE(again.ok());
     EXPECT_EQ(*again, Averaged(*surface, length)) << length;
+  }
+}
+
+// Polynomials of means may fall below all that they are means of.
+TEST(CurvatureAverage, IsNowhereNegative) {
+  const auto surface = testing::SurfaceOf(RoughSphere());
+  for (const double length : {0.1, 0.2, 0.4, 1.0, 3.0}) {
+    for (const double curvature : Averaged(*surface, length)) EXPECT_GE(curvature, 0) << length;
+  }
+}
+
+// However much is averaged, what is narrower than the disk goes, and the mean stays.
+TEST(CurvatureAverage, AveragesOverWiderDisksForLongerEdges) {
+  const auto surface = testing::SurfaceOf(RoughSphere());
+  double last = 1e300;
+  for (const double length : {0.05, 0.1, 0.2, 0.4}) {
+    const std::vector<double> averaged = Averaged(*surface, length);
+    const double mean = Sum(averaged) / static_cast<double>(averaged.size());
+    double variance = 0;
+    for (const double curvature : averaged) variance += (curvature - mean) * (curvature - mean);
+    EXPECT_LT(variance, 1.001 * last) << length;
+    last = variance;
   }
 }
 

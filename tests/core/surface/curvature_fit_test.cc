@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "core/surface/vertex_normals.h"
 #include "tests/support/matchers.h"
@@ -121,6 +122,32 @@ TEST(CurvatureFit, StaysBelowWhatTheMeshResolvesAtSharpCorners) {
 TEST(CurvatureFit, CostsNoMoreAtAHubOfTenThousandTriangles) {
   const TriangleMesh wheel = testing::UvSphere(10000, 3);
   for (const double curvature : Curvatures(wheel)) EXPECT_TRUE(std::isfinite(curvature));
+}
+
+// Whether a value is the mean of some of those around, summed in their order.
+bool IsMeanOfSome(double value, absl::Span<const uint32_t> ring, const std::vector<double>& all) {
+  for (uint32_t some = 1; some < 1u << ring.size(); ++some) {
+    double sum = 0, count = 0;
+    for (size_t i = 0; i < ring.size(); ++i) {
+      if (some >> i & 1) sum += all[ring[i]], ++count;
+    }
+    if (sum / count == value) return true;
+  }
+  return false;
+}
+
+// A wavy sphere: where it hardly turns from vertex to vertex most take what was fitted beside them; on a coarse one all are fitted.
+TEST(CurvatureFit, FitsAPartOfTheVerticesWhereTheSurfaceHardlyTurns) {
+  for (const auto& [level, least, most] : {std::tuple{6, 0.5, 0.8}, std::tuple{3, 0.0, 0.05}}) {
+    const TriangleMesh mesh = testing::Mapped(
+        testing::Icosphere(level), [](const Vec3& p) { return (1 + 0.05 * std::sin(5 * p.x + 3 * p.y)) * p; });
+    const std::vector<double> all = Curvatures(mesh);
+    const VertexRings rings = *CreateVertexRings(mesh, CreateAdjacency(mesh), Context{});
+    double means = 0;
+    for (uint32_t v = 0; v < all.size(); ++v) means += IsMeanOfSome(all[v], rings.Of(v), all);
+    EXPECT_GE(means / static_cast<double>(all.size()), least) << level;
+    EXPECT_LE(means / static_cast<double>(all.size()), most) << level;
+  }
 }
 
 TEST(CurvatureFit, IsTheSameAtAnyNumberOfThreads) {
