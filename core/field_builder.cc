@@ -14,6 +14,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -46,7 +47,15 @@ constexpr double kRefusable = 0.03;  // … and than this it is refused: what is
 constexpr int kMaxSteps = 24;
 constexpr int kMaxProbeSteps = 8;
 constexpr double kProbeTolerance = 0.01;  // counts on a part of the faces are off by more
-constexpr size_t kProbeFaces = 4096, kCheckedProbePieces = 1024;
+constexpr size_t kProbeFaces = 2048;
+constexpr double kMostProbeRows = 8;  // of parts of a face
+// Within a search, curvatures are not averaged again for a change of the parameter's logarithm up to this.
+constexpr double kSameDisk = 0.2;
+constexpr double kCertainlyLower = 1 - 1e-12;  // of a length: beyond rounding
+constexpr double kSketchSamplesPerTriangle = 0.5;
+constexpr double kMostStretch = 0.1;  // of the parameter's logarithm, of a field that is not sampled again for it
+// Grading makes more triangles than the curvature alone asks for; on scans as many as if the parameter were so much smaller.
+constexpr double kGradedError = 1.6;
 constexpr double kNear = 0.15;  // of a count: so near, counts on a part of the faces tell how those on all change
 constexpr double kErrorCountFactor = 1.01, kRefinedPerLeftOut = 0.1, kMostLeftOut = 0.1;
 // For a count: of the triangles, what refinement adds where there are many beside the input's, from so many of them on.
@@ -73,6 +82,17 @@ double LargestParameter(const SizingLimits& limits) {
   return limits.max_edge;
 }
 
+// Calls visit(u, v) with the centroids of the rows² like parts of a triangle, as the weights of its second and third corner.
+template <class Visit>
+void VisitParts(int rows, Visit visit) {
+  for (int i = 0; i < rows; ++i) {
+    for (int j = 0; i + j < rows; ++j) {
+      visit((i + 1.0 / 3) / rows, (j + 1.0 / 3) / rows);
+      if (i + j + 1 < rows) visit((i + 2.0 / 3) / rows, (j + 2.0 / 3) / rows);
+    }
+  }
+}
+
 absl::Status Unreachable(uint64_t count, double nearest) {
   return absl::InvalidArgumentError(
       absl::StrCat("options.target_triangles is ", count, "; with the other options as they are this surface takes at ",
@@ -85,13 +105,14 @@ FieldBuilder::FieldBuilder(const MeshSurface& surface, const SizingLimits& limit
     : surface_(surface),
       limits_(limits),
       diagonal_(limits.diagonal > 0 ? limits.diagonal : BoundingBox(surface.mesh(), surface.adjacency()).Diagonal()),
+      area_(std::accumulate(surface.vertex_areas().begin(), surface.vertex_areas().end(), 0.0)),
       longest_(surface.mesh().positions.size(), kInfinity) {
   if (limits.max_edge_given || limits.sizing == Sizing::kUniform) return;
   const absl::Span<const double> diagonals = surface.whole_diagonals();
-  for (uint32_t f = 0; f < surface.mesh().triangles.size(); ++f) {
-    for (const VertexId v : surface.mesh().triangles[f]) {
-      longest_[v.index()] = kMaxEdgePerComponent * diagonals[surface.ComponentOf(FaceId(f))];
-    }
+  for (size_t v = 0; v < longest_.size(); ++v) {
+    const uint32_t h = surface.adjacency().outgoing[v];
+    if (h != kNoHalfEdge)
+      longest_[v] = kMaxEdgePerComponent * diagonals[surface.ComponentOf(FaceId(FaceOfHalfEdge(h)))];
   }
 }
 
@@ -156,7 +177,8 @@ absl::Status FieldBuilder::SetCurvatures(const Context& context) {
     if (curvatures_.empty()) curvatures_.assign(own.begin(), own.end());
     return absl::OkStatus();
   }
-  if (averaged_at_ == std::pair(parameter_, detail_)) return absl::OkStatus();
+  const double change = averaged_at_.first > 0 ? std::log(parameter_ / averaged_at_.first) : kInfinity;
+  if (std::abs(change) <= kSameDisk && detail_ == averaged_at_.second) return absl::OkStatus();
   if (!average_) {
     MESHFRONT_ASSIGN_OR_RETURN(average_, CurvatureAverage::Create(surface_, context));
   }
@@ -244,7 +266,6 @@ double FieldBuilder::CountBesideWidths(const GuidanceField& field) const {
 }
 
 absl::StatusOr<std::vector<SizingSample>> FieldBuilder::Samples(uint64_t& clamped, const Context& context) {
-  const auto ideal_length = [&](double max_curvature) { return IdealLengthAt(max_curvature); };
   std::vector<double> lengths(curvatures_.size());
   for (size_t v = 0; v < lengths.size(); ++v) lengths[v] = IdealLengthAt(curvatures_[v]);
   for (size_t v = 0; v < sheet_distances_.size() && limits_.sizing == Sizing::kThickness; ++v)
@@ -253,7 +274,8 @@ absl::StatusOr<std::vector<SizingSample>> FieldBuilder::Samples(uint64_t& clampe
                              surface_.CurvatureSamples(curvatures_, lengths, sheet_distances_, context));
   const bool uniform = limits_.sizing == Sizing::kUniform;
   std::vector<SizingSample> samples;
-  samples.reserve(uniform ? 0 : places.size() + places.size() / 8 + added_.size() + widths_->size());  // and the rims'
+  samples.reserve(uniform ? 0
+                          : places.size() + added_.size() + widths_->size());  // most are dominated: room for the rims'
   size_t too_close = 0;
   for (size_t i = 0; i < places.size(); ++i) {
     const CurvatureSample& place = places[i];
@@ -266,8 +288,54 @@ absl::StatusOr<std::vector<SizingSample>> FieldBuilder::Samples(uint64_t& clampe
     clamped += std::isfinite(wanted) && length != wanted;
     if (!uniform || length < wanted) samples.push_back({place.position, length});
   }
+  if (samples.size() == places.size()) DropDominatedByNeighbours(samples);
   share_too_close_ =
       static_cast<double>(too_close) / static_cast<double>(std::max<size_t>(surface_.mesh().positions.size(), 1));
+  MESHFRONT_RETURN_IF_ERROR(AddSamplesBesideVertices(samples, context));
+  return samples;
+}
+
+// Of samples that begin with one at each vertex, those at which the cone of one next to it lies lower for certain: most, at a small part
+// of what GuidanceField::Create takes to find that out.
+void FieldBuilder::DropDominatedByNeighbours(std::vector<SizingSample>& samples) const {
+  const auto rings = surface_.vertex_rings();
+  const std::vector<uint32_t>& outgoing = surface_.adjacency().outgoing;
+  if (!rings || std::find(outgoing.begin(), outgoing.end(), kNoHalfEdge) != outgoing.end()) return;
+  const double rise = limits_.eta - 1;  // of l along a cone
+  std::vector<bool> is_dominated(samples.size());
+  for (uint32_t v = 0; v < outgoing.size(); ++v) {
+    bool any = false;
+    for (const uint32_t u : rings->Of(v)) {
+      const double room = (samples[v].ideal_length * kCertainlyLower - samples[u].ideal_length) / rise;
+      any |= room > 0 && SquaredDistance(samples[u].position, samples[v].position) < room * room;
+    }
+    is_dominated[v] = any;
+  }
+  size_t kept = 0;
+  for (size_t i = 0; i < samples.size(); ++i) {
+    if (!is_dominated[i]) samples[kept++] = samples[i];
+  }
+  samples.resize(kept);
+}
+
+// Of each run of vertices, which lie near each other mostly, the one where the surface bends most.
+absl::StatusOr<std::vector<SizingSample>> FieldBuilder::SamplesOfRuns(size_t run, const Context& context) {
+  std::vector<SizingSample> samples;
+  samples.reserve(curvatures_.size() / run + 1 + added_.size() + widths_->size());
+  for (size_t begin = 0; begin < curvatures_.size(); begin += run) {
+    size_t most = begin;
+    for (size_t v = begin; v < std::min(begin + run, curvatures_.size()); ++v)
+      most = curvatures_[v] > curvatures_[most] ? v : most;
+    const double length = std::min(LengthAt(curvatures_[most]), longest_[most]);
+    samples.push_back({surface_.mesh().positions[most], std::clamp(length, limits_.min_edge, limits_.max_edge)});
+  }
+  MESHFRONT_RETURN_IF_ERROR(AddSamplesBesideVertices(samples, context));
+  return samples;
+}
+
+// Of rims, of strips, and what a caller added.
+absl::Status FieldBuilder::AddSamplesBesideVertices(std::vector<SizingSample>& samples, const Context& context) {
+  const auto ideal_length = [&](double max_curvature) { return IdealLengthAt(max_curvature); };
   MESHFRONT_ASSIGN_OR_RETURN(const std::vector<SizingSample> rim,
                              BoundarySizingSamples(surface_, ideal_length, context));
   samples.insert(samples.end(), rim.begin(), rim.end());
@@ -276,7 +344,14 @@ absl::StatusOr<std::vector<SizingSample>> FieldBuilder::Samples(uint64_t& clampe
     const double length = LengthForWidth(place);
     if (std::isfinite(length)) samples.push_back({place.position, length});
   }
-  return samples;
+  return absl::OkStatus();
+}
+
+absl::StatusOr<GuidanceField> FieldBuilder::FieldOf(std::vector<SizingSample> samples, const Context& context) const {
+  const GuidanceOptions options{limits_.eta, limits_.min_edge, LongestGuidance()};
+  MESHFRONT_ASSIGN_OR_RETURN(GuidanceField field, GuidanceField::Create(std::move(samples), options, context));
+  if (limits_.blend == nullptr) return field;
+  return limits_.blend->Apply(field, added_, context);
 }
 
 // Without its count.
@@ -286,11 +361,7 @@ absl::StatusOr<SizedField> FieldBuilder::BuildField(double parameter, const Cont
   MESHFRONT_RETURN_IF_ERROR(SetCurvatures(context));
   uint64_t clamped = 0;
   MESHFRONT_ASSIGN_OR_RETURN(std::vector<SizingSample> samples, Samples(clamped, context));
-  const GuidanceOptions options{limits_.eta, limits_.min_edge, LongestGuidance()};
-  MESHFRONT_ASSIGN_OR_RETURN(GuidanceField field, GuidanceField::Create(std::move(samples), options, context));
-  if (limits_.blend != nullptr) {
-    MESHFRONT_ASSIGN_OR_RETURN(field, limits_.blend->Apply(field, added_, context));
-  }
+  MESHFRONT_ASSIGN_OR_RETURN(GuidanceField field, FieldOf(std::move(samples), context));
   return SizedField{std::move(field), parameter, 0, clamped, detail_, longest_edge_};
 }
 
@@ -305,38 +376,55 @@ absl::StatusOr<SizedField> FieldBuilder::Build(double parameter, const Context& 
   return sized;
 }
 
-// Without thickness where it was not measured yet, and with the count that a part of the surface tells.
-absl::StatusOr<SizedField> FieldBuilder::Sketch(double parameter, const Context& context) {
-  if (limits_.sizing == Sizing::kThickness) {
-    parameter_ = parameter;
-    MESHFRONT_RETURN_IF_ERROR(SetCurvatures(context));
-    MESHFRONT_RETURN_IF_ERROR(MeasureThickness(context));
+// Without thickness where it was not measured yet, of a part of the vertices where there are many for each triangle wanted, and with
+// the count that a part of the surface tells.
+absl::StatusOr<SizedField> FieldBuilder::Sketch(double parameter, double count, const Context& context) {
+  parameter_ = parameter;
+  MESHFRONT_RETURN_IF_ERROR(SetCurvatures(context));
+  if (limits_.sizing == Sizing::kThickness) MESHFRONT_RETURN_IF_ERROR(MeasureThickness(context));
+  const double run = static_cast<double>(curvatures_.size()) / (kSketchSamplesPerTriangle * count);
+  std::optional<SizedField> sized;
+  if (run >= 2 && limits_.sizing != Sizing::kThickness) {
+    MESHFRONT_RETURN_IF_ERROR(MeasureWidths(context));
+    MESHFRONT_ASSIGN_OR_RETURN(std::vector<SizingSample> samples, SamplesOfRuns(static_cast<size_t>(run), context));
+    MESHFRONT_ASSIGN_OR_RETURN(GuidanceField field, FieldOf(std::move(samples), context));
+    sized = SizedField{std::move(field), parameter, 0, 0, detail_, longest_edge_};
+  } else {
+    MESHFRONT_ASSIGN_OR_RETURN(sized, BuildField(parameter, context));
   }
-  MESHFRONT_ASSIGN_OR_RETURN(SizedField sized, BuildField(parameter, context));
-  MESHFRONT_RETURN_IF_ERROR(CountOnProbeOnce(sized, context));
-  const double by_area = sized.count_on_probe / probe_->part_of_area;
-  sized.predicted_triangles = CountFactor(by_area) * by_area + CountBesideWidths(sized.field);
-  return sized;
+  MESHFRONT_RETURN_IF_ERROR(CountOnProbeOnce(*sized, context));
+  sized->predicted_triangles =
+      CountFactor(sized->count_on_probe) * sized->count_on_probe + CountBesideWidths(sized->field);
+  return *std::move(sized);
+}
+
+// Whether the samples that the field kept are those of another parameter but for their lengths, and these follow the parameter.
+bool FieldBuilder::IsStretchable(const SizedField& sized, double parameter) const {
+  return limits_.sizing == Sizing::kError && limits_.blend == nullptr && detail_ == sized.detail &&
+         longest_edge_ == sized.longest && std::abs(std::log(parameter / sized.parameter)) <= kMostStretch;
 }
 
 // The field of a parameter near that of another, whose count is known.
 absl::StatusOr<SizedField> FieldBuilder::BuildNear(SizedField& other, double parameter, const Context& context) {
-  parameter_ = parameter;
-  MESHFRONT_RETURN_IF_ERROR(SetCurvatures(context));
-  MESHFRONT_RETURN_IF_ERROR(MeasureThickness(context));
-  MESHFRONT_ASSIGN_OR_RETURN(SizedField sized, BuildField(parameter, context));
+  std::optional<SizedField> sized;
+  if (IsStretchable(other, parameter)) {
+    sized = SizedField{Stretched(other, parameter), parameter, 0, other.clamped_samples, detail_, longest_edge_};
+  } else {
+    parameter_ = parameter;
+    MESHFRONT_RETURN_IF_ERROR(SetCurvatures(context));
+    MESHFRONT_RETURN_IF_ERROR(MeasureThickness(context));
+    MESHFRONT_ASSIGN_OR_RETURN(sized, BuildField(parameter, context));
+  }
   MESHFRONT_RETURN_IF_ERROR(CountOnProbeOnce(other, context));
-  MESHFRONT_RETURN_IF_ERROR(CountOnProbeOnce(sized, context));
-  const double before = other.count_on_probe, after = sized.count_on_probe;
+  MESHFRONT_RETURN_IF_ERROR(CountOnProbeOnce(*sized, context));
+  const double before = other.count_on_probe, after = sized->count_on_probe;
   const double by_area = other.predicted_triangles - CountBesideWidths(other.field);
-  sized.predicted_triangles = by_area * (before > 0 ? after / before : 1) + CountBesideWidths(sized.field);
-  return sized;
+  sized->predicted_triangles = by_area * (before > 0 ? after / before : 1) + CountBesideWidths(sized->field);
+  return *std::move(sized);
 }
 
 absl::StatusOr<double> FieldBuilder::CountOnProbe(const GuidanceField& field, const Context& context) {
-  if (!probe_) probe_ = MakeProbe();
-  return PredictTriangles({probe_->positions, probe_->triangles, probe_->curvatures}, field, context,
-                          kCheckedProbePieces);
+  return CountOnPlaces({probe_->places, probe_->areas, probe_->curvatures}, field, context);
 }
 
 absl::Status FieldBuilder::CountOnProbeOnce(SizedField& sized, const Context& context) {
@@ -347,15 +435,11 @@ absl::Status FieldBuilder::CountOnProbeOnce(SizedField& sized, const Context& co
 
 // Where every place had the edges that its own curvature asks for, g = l/η, the count would be a power of the parameter.
 double FieldBuilder::FirstGuess(double count) const {
-  const TriangleMesh& mesh = surface_.mesh();
   double area = 0, bent = 0, bent_twice = 0;  // ∫ dA κ^n for n = 0, 1, 2
-  for (const Triangle& t : mesh.triangles) {
-    const double a = TriangleArea(mesh.PositionAt(t[0]), mesh.PositionAt(t[1]), mesh.PositionAt(t[2]));
-    area += a;
-    for (const VertexId v : t) {
-      const double curvature = surface_.vertex_curvatures()[v.index()];
-      bent += a / 3 * curvature, bent_twice += a / 3 * curvature * curvature;
-    }
+  const absl::Span<const double> areas = surface_.vertex_areas(), curvatures = surface_.vertex_curvatures();
+  for (size_t v = 0; v < areas.size(); ++v) {
+    const double curvature = curvatures[v];
+    area += areas[v], bent += areas[v] * curvature, bent_twice += areas[v] * curvature * curvature;
   }
   const double per_area = 4 / std::sqrt(3.0) * kTrianglesPerIdealTriangle / count, eta2 = limits_.eta * limits_.eta;
   const double largest = LargestParameter(limits_);
@@ -366,7 +450,7 @@ double FieldBuilder::FirstGuess(double count) const {
       guess = 2 * std::asin(std::min(1.0, 0.5 * std::sqrt(per_area * eta2 * bent_twice)));
       break;
     case Sizing::kError:  // l² = 6ε / κ for small ε
-      guess = per_area * eta2 * bent / 6;
+      guess = kGradedError * per_area * eta2 * bent / 6;
       break;
     case Sizing::kUniform:
       guess = kMedianEdgePerGuidance * std::sqrt(per_area * area);
@@ -376,50 +460,52 @@ double FieldBuilder::FirstGuess(double count) const {
 }
 
 // Of edges of one length everywhere, for a count.
-double FieldBuilder::EvenLength(double count) const {
-  double area = 0;
-  for (const Triangle& t : surface_.mesh().triangles) {
-    area += TriangleArea(surface_.mesh().PositionAt(t[0]), surface_.mesh().PositionAt(t[1]),
-                         surface_.mesh().PositionAt(t[2]));
-  }
-  return std::sqrt(4 / std::sqrt(3.0) * area / count);
-}
+double FieldBuilder::EvenLength(double count) const { return std::sqrt(4 / std::sqrt(3.0) * area_ / count); }
 
-// A part of the surface, evenly spread, on which counts are compared quickly.
-FieldBuilder::Probe FieldBuilder::MakeProbe() const {
+// A part of the faces, evenly spread, on which counts are compared quickly: their centroids, and those of parts of faces that are
+// longer than an even edge.
+FieldBuilder::Probe FieldBuilder::MakeProbe(double count) const {
   const TriangleMesh& mesh = surface_.mesh();
   Probe probe;
   const size_t stride = mesh.triangles.size() / kProbeFaces | 1;
-  double whole = 0, part = 0;
-  for (size_t f = 0; f < mesh.triangles.size(); ++f) {
+  const double even = EvenLength(count);
+  double part = 0;
+  for (size_t f = 0; f < mesh.triangles.size(); f += stride) {
     const Triangle& t = mesh.triangles[f];
-    const double area = TriangleArea(mesh.PositionAt(t[0]), mesh.PositionAt(t[1]), mesh.PositionAt(t[2]));
-    whole += area;
-    if (f % stride != 0) continue;
+    const Vec3 &a = mesh.PositionAt(t[0]), &b = mesh.PositionAt(t[1]), &c = mesh.PositionAt(t[2]);
+    const double area = TriangleArea(a, b, c);
     part += area;
-    std::array<VertexId, 3> corners;
-    for (int i = 0; i < 3; ++i) {
-      corners[i] = VertexId(static_cast<uint32_t>(probe.positions.size()));
-      probe.positions.push_back(mesh.PositionAt(t[i]));
-      probe.curvatures.push_back(surface_.vertex_curvatures()[t[i].index()]);
-    }
-    probe.triangles.push_back(corners);
+    double curvature = 0;
+    for (const VertexId v : t) curvature += surface_.vertex_curvatures()[v.index()] / 3;
+    const double longest = std::sqrt(SquaredLongestSide(a, b, c));
+    const int rows = static_cast<int>(std::clamp(std::ceil(longest / even), 1.0, kMostProbeRows));
+    VisitParts(rows, [&](double u, double v) {
+      probe.places.push_back((1 - u - v) * a + u * b + v * c);
+      probe.areas.push_back(area / (rows * rows));
+      probe.curvatures.push_back(curvature);
+    });
   }
-  probe.part_of_area = whole > 0 ? part / whole : 1;
+  for (double& area : probe.areas) area *= part > 0 ? area_ / part : 1;
   return probe;
 }
 
-// The count at another parameter, about: of the samples that `sized` kept, stretched by what the formula says of their lengths, and
-// on the probe alone.
-absl::StatusOr<double> FieldBuilder::ProbeCount(const SizedField& sized, double parameter, const Context& context) {
+// The samples that a field kept, their lengths changed as the formula has it from one parameter to the other.
+GuidanceField FieldBuilder::Stretched(const SizedField& sized, double parameter) {
   const auto kept = sized.field.kept_samples();
   std::vector<double> lengths(kept.size());
   parameter_ = parameter;
+  const bool by_error = limits_.sizing == Sizing::kError;
   for (size_t i = 0; i < kept.size(); ++i) {
-    const double curvature = CurvatureOf(kept[i].ideal_length, sized.parameter);
-    lengths[i] = std::clamp(WantedLengthAt(curvature), limits_.min_edge, limits_.max_edge);
+    const double length = kept[i].ideal_length, curvature = CurvatureOf(length, sized.parameter);
+    const bool has_other_reason = by_error && curvature * sized.parameter >= 1;  // a thin part, not its bends
+    lengths[i] = has_other_reason ? length : std::clamp(WantedLengthAt(curvature), limits_.min_edge, limits_.max_edge);
   }
-  return CountOnProbe(sized.field.WithLengths(lengths, LongestGuidance()), context);
+  return sized.field.WithLengths(lengths, LongestGuidance());
+}
+
+// The count at another parameter, about: of the samples that `sized` kept, and on the probe alone.
+absl::StatusOr<double> FieldBuilder::ProbeCount(const SizedField& sized, double parameter, const Context& context) {
+  return CountOnProbe(Stretched(sized, parameter), context);
 }
 
 // The curvature whose ideal length this is at a parameter.
@@ -470,7 +556,13 @@ absl::StatusOr<SizedField> FieldBuilder::Approach(uint64_t count, const Line& li
       continue;
     }
     const double next = search.Next(std::log(value), std::log(last.predicted_triangles));
-    if (search.IsExhausted()) return std::move(last);
+    if (search.IsExhausted() && (!near || error_of(whole) <= kNear)) return std::move(last);
+    if (search.IsExhausted()) {  // by counts told from a field so far off
+      MESHFRONT_ASSIGN_OR_RETURN(whole, BuildOn(line, value, nullptr, context));
+      near.reset();
+      search = begin(), least_error = kInfinity;
+      continue;
+    }
     if (search.IsAtAJump()) break;
     value = std::min(std::exp(next), line.largest);
     MESHFRONT_ASSIGN_OR_RETURN(near, BuildOn(line, value, &whole, context));
@@ -489,7 +581,9 @@ absl::StatusOr<SizedField> FieldBuilder::BuildOn(const Line& line, double value,
 absl::StatusOr<SizedField> FieldBuilder::BuildForCount(uint64_t count, const Context& context) {
   headroom_ = kThicknessHeadroom;
   is_counting_ = true;
+  probe_ = MakeProbe(static_cast<double>(count));
   detail_ = longest_edge_ = 0;
+  averaged_at_ = {-1, -1};
   const double target = static_cast<double>(count);
   const auto is_reached = [&](const SizedField& sized, double tolerance = kReachable) {
     return std::abs(sized.predicted_triangles / target - 1) <= tolerance;
@@ -498,7 +592,7 @@ absl::StatusOr<SizedField> FieldBuilder::BuildForCount(uint64_t count, const Con
   const double exponent = ExponentOf(Sizing::kUniform);
   Line line{FirstGuess(target), LargestParameter(limits_), exponent, exponent};
   if (!uniform) {
-    MESHFRONT_ASSIGN_OR_RETURN(const SizedField sketch, Sketch(line.first, context));
+    MESHFRONT_ASSIGN_OR_RETURN(const SizedField sketch, Sketch(line.first, target, context));
     MESHFRONT_ASSIGN_OR_RETURN(line, FindNear(sketch, target, context));
   }
   MESHFRONT_ASSIGN_OR_RETURN(SizedField sized, Approach(count, line, context));

@@ -40,7 +40,7 @@ struct SizedField {
   uint64_t clamped_samples = 0;    // whose ideal length was changed by a clamp or by a thin part
   double detail = 0;               // no edge is shorter than about this for curvature's sake; 0 unless a count needs it
   double longest = 0;              // no edge is longer than about this, for a count alone; 0: as the limits have it
-  double count_on_probe = -1;      // on a part of the faces; < 0: not counted
+  double count_on_probe = -1;      // by a part of the faces; < 0: not counted
   bool is_least = false;           // no field makes fewer, though fewer are wanted
 };
 
@@ -104,15 +104,17 @@ class FieldBuilder {
   double CountFactor(double by_area) const;
   double CountBesideWidths(const GuidanceField& field) const;
   absl::StatusOr<SizedField> BuildField(double parameter, const Context& context);
-  absl::StatusOr<SizedField> Sketch(double parameter, const Context& context);
+  absl::StatusOr<SizedField> Sketch(double parameter, double count, const Context& context);
   absl::StatusOr<SizedField> BuildNear(SizedField& other, double parameter, const Context& context);
+  absl::StatusOr<GuidanceField> FieldOf(std::vector<SizingSample> samples, const Context& context) const;
   absl::StatusOr<std::vector<SizingSample>> Samples(uint64_t& clamped, const Context& context);
-  // Faces that stand for all.
+  void DropDominatedByNeighbours(std::vector<SizingSample>& samples) const;
+  absl::StatusOr<std::vector<SizingSample>> SamplesOfRuns(size_t run, const Context& context);
+  absl::Status AddSamplesBesideVertices(std::vector<SizingSample>& samples, const Context& context);
+  // Places that stand for the whole surface, each with a part of its area.
   struct Probe {
-    std::vector<Vec3> positions;
-    std::vector<std::array<VertexId, 3>> triangles;
-    std::vector<double> curvatures;
-    double part_of_area = 1;
+    std::vector<Vec3> places;
+    std::vector<double> areas, curvatures;
   };
   // A line to search for a count: fields by one growing value, the parameter or, at one parameter, the detail or the longest edge.
   enum class Along { kParameter, kDetail, kLongest };
@@ -124,8 +126,10 @@ class FieldBuilder {
   };
   double FirstGuess(double count) const;
   double EvenLength(double count) const;
-  Probe MakeProbe() const;
+  Probe MakeProbe(double count) const;
   double CurvatureOf(double length, double parameter) const;
+  GuidanceField Stretched(const SizedField& sized, double parameter);
+  bool IsStretchable(const SizedField& sized, double parameter) const;
   absl::StatusOr<double> CountOnProbe(const GuidanceField& field, const Context& context);
   absl::Status CountOnProbeOnce(SizedField& sized, const Context& context);
   absl::StatusOr<double> ProbeCount(const SizedField& sized, double parameter, const Context& context);
@@ -136,6 +140,7 @@ class FieldBuilder {
   const MeshSurface& surface_;
   const SizingLimits limits_;
   const double diagonal_;
+  const double area_;
   std::vector<double> longest_;  // ideal length of each vertex, by its component's size
   double parameter_ = 0;         // in force
   double detail_ = 0;            // in force

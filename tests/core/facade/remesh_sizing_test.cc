@@ -108,6 +108,17 @@ INSTANTIATE_TEST_SUITE_P(Shapes, EveryCount,
                                   std::to_string(std::lround(10 * std::get<2>(info.param)));
                          });
 
+// Of an input with many vertices for each triangle wanted a part of them is enough for a sketch, and what that finds is stretched.
+TEST(Counts, ComeOutWithinThreePercentOfInputsThatAreFarFiner) {
+  const TriangleMesh mesh = testing::Mapped(
+      testing::Icosphere(6), [](const Vec3& p) { return (1 + 0.1 * std::sin(4 * p.x) * std::cos(3 * p.y)) * p; });
+  for (const Sizing sizing : {Sizing::kError, Sizing::kAngle}) {
+    const Outcome out = RemeshOrFail(mesh, Counting(sizing, 3000));
+    EXPECT_NEAR(static_cast<double>(out.report.output.triangles) / 3000, 1, 0.03);
+    EXPECT_NEAR(static_cast<double>(out.report.predicted_triangles) / 3000, 1, 0.01);
+  }
+}
+
 // What is inserted beside the edges of the hole, which nothing turns or moves, stays as flat as it is put there: .33 without the rule.
 TEST(Counts, PutNoFlatTrianglesOnCreases) {
   const Outcome out = RemeshOrFail(PlateWithRoundHole(), Counting(Sizing::kError, 8000));

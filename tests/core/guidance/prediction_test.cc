@@ -54,9 +54,53 @@ TEST(Prediction, SeesASmallFeatureInsideALargeFace) {
 }
 
 TEST(Prediction, IsTheSameAtAnyThreadCount) {
-  const TriangleMesh mesh = testing::Icosphere(5);
   const GuidanceField field = FieldOf({{{1, 0, 0}, 0.01}, {{0, -1, 0}, 0.05}}, 0.5);
-  EXPECT_EQ(Predict(mesh, field, 1), Predict(mesh, field, 4));
+  for (const int level : {5, 6}) {
+    const TriangleMesh mesh = testing::Icosphere(level);
+    EXPECT_EQ(Predict(mesh, field, 1), Predict(mesh, field, 4));
+  }
+}
+
+// 20,480 faces are all asked, of 81,920 a part; once where the curvature says nothing of where the triangles are, once where it does.
+TEST(Prediction, TellsFromAPartOfManyFacesWhatAllTell) {
+  const GuidanceField field = FieldOf({{{1, 0, 0}, 0.02}, {{0, -0.6, 0.8}, 0.05}}, 0.5);
+  const TriangleMesh few = testing::Icosphere(5), many = testing::Icosphere(6);
+  EXPECT_NEAR(Predict(many, field) / Predict(few, field), 1, 0.01);
+  std::vector<double> curvatures;
+  for (const Vec3& p : many.positions) curvatures.push_back(1 / (1.1 - p.x));
+  const FaceSpans spans{many.positions, many.triangles, curvatures};
+  const double bent = *PredictTriangles(spans, field, Context{});
+  EXPECT_NEAR(bent / Predict(few, field), 1, 0.03);
+}
+
+// A face a thousand times as large as the others of a fine mesh counts with all of its area.
+TEST(Prediction, CountsALargeFaceAmongManySmallOnesInFull) {
+  TriangleMesh mesh = testing::Sheet(150);
+  const uint32_t first = static_cast<uint32_t>(mesh.positions.size());
+  for (const Vec3& p : {Vec3{4, 0, 0}, Vec3{8, 0, 0}, Vec3{4, 4, 0}}) mesh.positions.push_back(p);
+  mesh.triangles.push_back({VertexId(first), VertexId(first + 1), VertexId(first + 2)});
+  const double expected = kTrianglesPerIdealTriangle * (4 + 8) / (std::sqrt(3) / 4 * 0.01);
+  EXPECT_NEAR(Predict(mesh, FieldOf({}, 0.1)), expected, 1e-3 * expected);
+}
+
+TEST(Prediction, CountsOnPlacesByTheirBendsAtAnyThreadCount) {
+  std::vector<Vec3> positions;
+  for (int i = 0; i < 5000; ++i) positions.push_back({0.001 * i, 0, 0});
+  const std::vector<double> areas(positions.size(), 0.002), flat(positions.size(), 0), bent(positions.size(), 4);
+  const GuidanceField field = FieldOf({{{1, 0, 0}, 0.01}, {{3, 0, 0}, 0.05}}, 0.5);
+  Context many;
+  many.threads = 4;
+  for (const std::vector<double>& curvatures : {flat, bent}) {
+    const PlaceSpans places{positions, areas, curvatures};
+    double brute = 0;
+    for (const Vec3& p : positions) {
+      const double g = field.At(p);
+      brute += 0.002 / (std::sqrt(3) / 4 * g * g) * TrianglesPerIdealTriangle(g * curvatures[0], 0);
+    }
+    const double count = *CountOnPlaces(places, field, Context{});
+    EXPECT_NEAR(count, brute, 1e-9 * brute);
+    EXPECT_EQ(count, *CountOnPlaces(places, field, many));
+  }
 }
 
 TEST(Prediction, IsBoundedOnAFieldFarFinerThanTheFaces) {
