@@ -59,7 +59,7 @@ constexpr double kGradedError = 1.6;
 constexpr double kNear = 0.15;  // of a count: so near, counts on a part of the faces tell how those on all change
 constexpr double kErrorCountFactor = 1.01, kRefinedPerLeftOut = 0.1, kMostLeftOut = 0.1;
 // For a count: of the triangles, what refinement adds where there are many beside the input's, from so many of them on.
-constexpr double kMostRefined = 0.008, kFirstRefined = 0.2, kAllRefined = 0.5;
+constexpr double kCountedFactor = 1.001, kMostRefined = 0.016, kFirstRefined = 0.2, kAllRefined = 0.5;
 constexpr double kDetailPerEvenLength = 0.75;  // where a search for it begins
 constexpr double kThicknessHeadroom = 1.2;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -199,7 +199,7 @@ double FieldBuilder::CountFactor(double by_area) const {
   if (!is_counting_) return kErrorCountFactor;
   const double fineness = by_area / static_cast<double>(surface_.mesh().triangles.size());
   const double refined = std::clamp((fineness - kFirstRefined) / (kAllRefined - kFirstRefined), 0.0, 1.0);
-  return kErrorCountFactor + kMostRefined * refined + kRefinedPerLeftOut * std::min(left_out_, kMostLeftOut);
+  return kCountedFactor + kMostRefined * refined + kRefinedPerLeftOut * std::min(left_out_, kMostLeftOut);
 }
 
 // How far from a vertex the other sheet matters, in parts of the length that its curvature asks for.

@@ -26,6 +26,8 @@ constexpr double kShortestPerGuidance =
     0.0625;  // no shorter edges than this part of what the field asks for: bounds a place
 constexpr double kMinAgreement =
     0.3;  // cosine between the normals of new triangles and of the surface at their corners
+constexpr double kLeewayFarBeyond =
+    0.2;  // … so much less for a count, where places are far beyond: on crests as thin as the edges are long
 constexpr double kLeastAgreement = 0;  // … where those that they replace have less than that
 constexpr double kMinRadiusRatio = 0.2,
                  kMinRatioForCount = 0.35;  // of new triangles; where a count is wanted and the place is not far beyond
@@ -208,6 +210,7 @@ std::vector<WindowVertexId> Refinement::Refine(const std::vector<WindowTriangleI
     if (deviation.is_kept || TryLift(t, deviation) || TryTurn(t)) continue;
     const double excess = deviation.largest / max_error_;
     least_ratio_ = LeastRatioFor(t, manner, excess);
+    is_far_beyond_ = !certain_ && excess > kFarBeyond;
     if (made_.size() >= limit(excess)) continue;
     const size_t before = made_.size();
     RefineAt(t, deviation, manner);
@@ -479,7 +482,7 @@ double Refinement::LeastAgreement(const Corners& c) const {
   const Vec3 normal = Normalized(AreaVector(p->position, q->position, r->position));
   const double agreement = std::min(
       {kMinAgreement, Dot(normal, p->source.normal), Dot(normal, q->source.normal), Dot(normal, r->source.normal)});
-  return std::max(agreement, kLeastAgreement);
+  return std::max(agreement, kLeastAgreement) - (is_far_beyond_ ? kLeewayFarBeyond : 0);
 }
 
 // Whether the triangles of a new vertex and these sides face the surface's way and are no slivers.

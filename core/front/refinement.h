@@ -124,7 +124,8 @@ class Refinement {
   const uint32_t depth_;
   const bool certain_;
   DeviationMeter meter_;
-  double least_ratio_ = 0;  // of new triangles
+  double least_ratio_ = 0;      // of new triangles
+  bool is_far_beyond_ = false;  // what is being mended, for a count
   uint64_t rim_insertions_ = 0;
   // The same triangles are measured again: before they are mended, and in the rounds after that. By a hash of their corners.
   static constexpr size_t kRemembered = 1024;

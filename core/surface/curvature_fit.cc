@@ -38,11 +38,11 @@ constexpr uint32_t kMinSamples = 7;
 // Of the scaled system (unit diagonal): a pivot below this says that some term is not determined.
 constexpr double kMinPivot = 1e-5;
 
-// A vertex from which the normal turns by less than this angle (7°) to all around it, which are so many and so even, takes the mean of
+// A vertex from which the normal turns by less than this angle (5°) to all around it, which are so many and so even, takes the mean of
 // those among them that were fitted, if that is at least this share of the largest turn per length: fits look three edges far, and change
 // little over one, but not where something small begins that is bent more.
 constexpr double kAlikeShare = 0.4;
-constexpr double kSmoothCosine = 0.992, kMostUneven = 3;
+constexpr double kSmoothCosine = 0.9965, kMostUneven = 3;
 constexpr size_t kFewestAround = 5, kMostAround = 8;
 
 // Four doubles at a time; a vector type of the compiler, since it may not reorder sums of doubles by itself. Each lane rounds as a
