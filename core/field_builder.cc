@@ -60,6 +60,7 @@ constexpr double kNear = 0.15;  // of a count: so near, counts on a part of the 
 constexpr double kErrorCountFactor = 1.01, kRefinedPerLeftOut = 0.1, kMostLeftOut = 0.1;
 // For a count: of the triangles, what refinement adds where there are many beside the input's, from so many of them on.
 constexpr double kCountedFactor = 1.001, kMostRefined = 0.016, kFirstRefined = 0.2, kAllRefined = 0.5;
+constexpr double kTrianglesPerRimEdge = 0.35;
 constexpr double kDetailPerEvenLength = 0.75;  // where a search for it begins
 constexpr double kThicknessHeadroom = 1.2;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -97,6 +98,18 @@ absl::Status Unreachable(uint64_t count, double nearest) {
   return absl::InvalidArgumentError(
       absl::StrCat("options.target_triangles is ", count, "; with the other options as they are this surface takes at ",
                    nearest > static_cast<double>(count) ? "least " : "most ", std::llround(nearest)));
+}
+
+std::vector<RimSide> RimOf(const MeshSurface& surface) {
+  std::vector<RimSide> rim;
+  const TriangleMesh& mesh = surface.mesh();
+  for (uint32_t h = 0; h < 3 * mesh.triangles.size(); ++h) {
+    const bool is_rim = surface.adjacency().OppositeOf(h) == kNoHalfEdge && surface.AcrossCrease(h) == kNoHalfEdge;
+    if (!is_rim) continue;
+    const Vec3 &a = mesh.PositionAt(OriginOf(mesh, h)), &b = mesh.PositionAt(TargetOf(mesh, h));
+    rim.push_back({0.5 * (a + b), Distance(a, b)});
+  }
+  return rim;
 }
 
 }  // namespace
@@ -254,14 +267,18 @@ double FieldBuilder::LengthForWidth(const WidthSample& place) const {
   return length < wanted ? std::max(length, limits_.min_edge) : kInfinity;
 }
 
-// What strips of one row of triangles take beyond what their area tells: one for each edge along either of their rims.
-double FieldBuilder::CountBesideWidths(const GuidanceField& field) const {
+// What rims take beyond what their area tells: strips of one row of triangles one for each edge along either of their rims, and the rim of
+// an open surface without strips about a third of one for each edge.
+double FieldBuilder::CountAtRims(const GuidanceField& field) {
   double count = 0;
   for (const WidthSample& place : *widths_) {
     const double g = field.At(place.position),
                  by_area = kTrianglesPerIdealTriangle * 2 / std::sqrt(3.0) * place.width / g;
     count += place.stretch / g * std::max(1 - by_area, 0.0);
   }
+  if (!widths_->empty()) return count;
+  if (!rim_) rim_ = RimOf(surface_);
+  for (const RimSide& side : *rim_) count += kTrianglesPerRimEdge * side.length / field.At(side.middle);
   return count;
 }
 
@@ -372,7 +389,7 @@ absl::StatusOr<SizedField> FieldBuilder::Build(double parameter, const Context& 
   MESHFRONT_ASSIGN_OR_RETURN(SizedField sized, BuildField(parameter, context));
   const FaceSpans faces{surface_.mesh().positions, surface_.mesh().triangles, curvatures_};
   MESHFRONT_ASSIGN_OR_RETURN(const double by_area, PredictTriangles(faces, sized.field, context));
-  sized.predicted_triangles = CountFactor(by_area) * by_area + CountBesideWidths(sized.field);
+  sized.predicted_triangles = CountFactor(by_area) * by_area + CountAtRims(sized.field);
   return sized;
 }
 
@@ -393,8 +410,7 @@ absl::StatusOr<SizedField> FieldBuilder::Sketch(double parameter, double count, 
     MESHFRONT_ASSIGN_OR_RETURN(sized, BuildField(parameter, context));
   }
   MESHFRONT_RETURN_IF_ERROR(CountOnProbeOnce(*sized, context));
-  sized->predicted_triangles =
-      CountFactor(sized->count_on_probe) * sized->count_on_probe + CountBesideWidths(sized->field);
+  sized->predicted_triangles = CountFactor(sized->count_on_probe) * sized->count_on_probe + CountAtRims(sized->field);
   return *std::move(sized);
 }
 
@@ -418,8 +434,8 @@ absl::StatusOr<SizedField> FieldBuilder::BuildNear(SizedField& other, double par
   MESHFRONT_RETURN_IF_ERROR(CountOnProbeOnce(other, context));
   MESHFRONT_RETURN_IF_ERROR(CountOnProbeOnce(*sized, context));
   const double before = other.count_on_probe, after = sized->count_on_probe;
-  const double by_area = other.predicted_triangles - CountBesideWidths(other.field);
-  sized->predicted_triangles = by_area * (before > 0 ? after / before : 1) + CountBesideWidths(sized->field);
+  const double by_area = other.predicted_triangles - CountAtRims(other.field);
+  sized->predicted_triangles = by_area * (before > 0 ? after / before : 1) + CountAtRims(sized->field);
   return *std::move(sized);
 }
 

@@ -44,6 +44,12 @@ struct SizedField {
   bool is_least = false;           // no field makes fewer, though fewer are wanted
 };
 
+// A side of the surface's rim.
+struct RimSide {
+  Vec3 middle;
+  double length;
+};
+
 // Uses: FieldBuilder builder(surface, limits); auto sized = builder.Build(0.8, context). What a parameter does not change is
 // measured once, so that further fields cost their samples alone. Not thread-safe.
 class FieldBuilder {
@@ -102,7 +108,7 @@ class FieldBuilder {
   absl::Status MeasureWidths(const Context& context);
   double LengthForWidth(const WidthSample& place) const;
   double CountFactor(double by_area) const;
-  double CountBesideWidths(const GuidanceField& field) const;
+  double CountAtRims(const GuidanceField& field);
   absl::StatusOr<SizedField> BuildField(double parameter, const Context& context);
   absl::StatusOr<SizedField> Sketch(double parameter, double count, const Context& context);
   absl::StatusOr<SizedField> BuildNear(SizedField& other, double parameter, const Context& context);
@@ -157,6 +163,7 @@ class FieldBuilder {
   std::vector<double> sheet_distances_;
   std::vector<SizingSample> added_;
   std::optional<std::vector<WidthSample>> widths_;  // none: not measured yet
+  std::optional<std::vector<RimSide>> rim_;         // likewise
   std::optional<Probe> probe_;                      // likewise
 };
 
