@@ -30,7 +30,7 @@ namespace {
 constexpr size_t kMaxParts = 2000, kMaxPartsOfUncertain = 40;
 // What seems near: seven places up to this part of the bound, or four up to the next one where the surface bends less over the sides
 // than the third; and the normal agrees so well with the surface's at its corners.
-constexpr double kSeemsNear = 0.65, kSeemsNearAtFour = 0.4, kSeemsStraight = 0.35, kSeemsToAgree = 0.6;
+constexpr double kSeemsNear = 0.55, kSeemsNearAtFour = 0.4, kSeemsStraight = 0.35, kSeemsToAgree = 0.6;
 constexpr int kMinHalvings = 3, kMaxHalvings = 7;
 // How much more than at its corners the distance may be inside a part, in bends over its parent's sides. A smooth surface bends over
 // half a side by a quarter of what it bends over the whole, a ridge by half at most.

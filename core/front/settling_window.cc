@@ -41,7 +41,7 @@ constexpr int kMovedRounds = 8, kPlainRounds = 4,
               kLastRounds = 4;  // of the refinement; each reaches every triangle once
 // Of max_error, where only what is far beyond it is refined. At 1 the maximum is the same and triangles are less round, since a few
 // places make it; at 1.9 it is larger.
-constexpr double kFarBeyondMaxError = 1.5;
+constexpr double kFarBeyondMaxError = 1.45;
 constexpr double kSlackStep = 1.05;
 // What a triangle may deviate at most, in parts of the largest place that was measured before it was given up.
 constexpr double kMostPerMeasured = 1.5;
