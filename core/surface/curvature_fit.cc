@@ -387,8 +387,7 @@ double MeanOfFits(absl::Span<const uint32_t> ring, absl::Span<const double> curv
                   absl::Span<const Source> source_of) {
   double sum = 0, count = 0;
   for (const uint32_t u : ring) {
-    const double has_fit = source_of[u] == Source::kFit ? 1 : 0;
-    sum += has_fit * curvatures[u], count += has_fit;
+    if (source_of[u] == Source::kFit) sum += curvatures[u], count += 1;  // others are being written
   }
   return sum / count;
 }
